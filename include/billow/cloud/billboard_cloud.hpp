@@ -1,0 +1,71 @@
+// What a plane search finds: planes, the faces on each, and the rectangles that show them.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include <billow/core/types.hpp>
+#include <billow/geometry/bounds.hpp>
+#include <billow/geometry/frame.hpp>
+#include <billow/geometry/plane.hpp>
+
+namespace billow::inline BILLOW_ABI {
+
+/// A textured rectangle on a plane.
+///
+/// Scene point of texture coordinate (s, t) in [0, 1]²:
+/// origin + s·width·axes.u + t·height·axes.v. The front, which the texture is drawn from, is the
+/// side that axes.normal points to.
+struct billboard {
+    dvec3 origin{0};        ///< corner of the rectangle with the least u and v, scene units
+    frame axes{};           ///< u along the width, v along the height
+    double width = 0;       ///< scene units, ≥ 0
+    double height = 0;      ///< scene units, ≥ 0
+    double depth_low = 0;   ///< least signed distance of a mapped vertex to the plane, along normal
+    double depth_high = 0;  ///< greatest such distance
+};
+
+/// A billboard cloud without its textures.
+///
+/// Shape  P planes; `billboards` has one row a plane; `plane_of_face` one row a face of the mesh.
+/// Unit   planes are relative to bounds.centre: a scene point p lies on plane i when
+///        planes[i].normal·(p - bounds.centre) = planes[i].rho. Billboards are in scene units.
+struct billboard_cloud {
+    bounding_sphere bounds{};
+    double epsilon = 0;  ///< the bound on the distance of a mapped vertex to its plane, scene units
+    std::vector<plane> planes{};            ///< in the order of discovery
+    std::vector<plane_id> plane_of_face{};  ///< no_id: degenerate or skipped
+    std::vector<billboard> billboards{};
+
+    [[nodiscard]] std::size_t plane_count() const noexcept { return planes.size(); }
+};
+
+/// The faces of each plane, in ascending order.
+class faces_of_planes {
+public:
+    /// Needs plane_of_face values below plane_count, or no_id. Cost O(faces + planes).
+    faces_of_planes(std::span<const plane_id> plane_of_face, std::size_t plane_count)
+        : begin_(plane_count + 1, 0) {
+        for (const plane_id plane : plane_of_face) {
+            if (plane != no_id) ++begin_[plane + 1];
+        }
+        for (std::size_t i = 0; i < plane_count; ++i) begin_[i + 1] += begin_[i];
+        faces_.resize(begin_.back());
+        std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+        for (std::size_t face = 0; face < plane_of_face.size(); ++face) {
+            if (const plane_id plane = plane_of_face[face]; plane != no_id) {
+                faces_[next[plane]++] = static_cast<face_id>(face);
+            }
+        }
+    }
+
+    [[nodiscard]] std::span<const face_id> operator[](plane_id plane) const noexcept {
+        return std::span(faces_).subspan(begin_[plane], begin_[plane + 1] - begin_[plane]);
+    }
+
+private:
+    std::vector<std::size_t> begin_;
+    std::vector<face_id> faces_;
+};
+
+}  // namespace billow::inline BILLOW_ABI

@@ -1,0 +1,86 @@
+// Vector lanes: the one place that knows how the compiler spells them.
+//
+// A kernel is written once with a lane type V. With V = float it is the scalar reference, with
+// V = simd::wide it works on simd::lane_count faces at once. Functions are called qualified
+// (simd::abs), since a bare abs would find the integer one.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include <billow/core/config.hpp>
+
+namespace billow::inline BILLOW_ABI::simd {
+
+/// How many floats `wide` holds. Columns are padded to max_lane_count, so kernels have no tail.
+inline constexpr std::size_t lane_count = BILLOW_LANES;
+inline constexpr std::size_t max_lane_count = 16;
+
+[[nodiscard]] constexpr std::size_t padded(std::size_t size) noexcept {
+    return (size + max_lane_count - 1) / max_lane_count * max_lane_count;
+}
+
+// One lane.
+[[nodiscard]] inline float min(float a, float b) noexcept { return a < b ? a : b; }
+[[nodiscard]] inline float max(float a, float b) noexcept { return a < b ? b : a; }
+[[nodiscard]] inline float abs(float a) noexcept { return a < 0 ? -a : a; }
+[[nodiscard]] inline float select(bool mask, float yes, float no) noexcept {
+    return mask ? yes : no;
+}
+[[nodiscard]] inline std::int32_t truncate(float a) noexcept {
+    return static_cast<std::int32_t>(a);
+}
+[[nodiscard]] inline float to_float(std::int32_t a) noexcept { return static_cast<float>(a); }
+
+/// Number of lanes of V, and V read from or written to memory (no alignment needed).
+template <class V>
+struct lanes {
+    static constexpr std::size_t count = 1;
+    static V load(const float* from) noexcept { return *from; }
+    static void store(float* to, V value) noexcept { *to = value; }
+    static void store(std::int32_t* to, std::int32_t value) noexcept { *to = value; }
+    static V fill(float value) noexcept { return value; }
+};
+
+#if BILLOW_LANES > 1
+
+// GCC and Clang map these types and their operators to the instruction set that the flags grant.
+typedef float wide __attribute__((vector_size(4 * BILLOW_LANES)));
+typedef std::int32_t wide_int __attribute__((vector_size(4 * BILLOW_LANES)));
+
+[[nodiscard]] inline wide min(wide a, wide b) noexcept { return a < b ? a : b; }
+[[nodiscard]] inline wide max(wide a, wide b) noexcept { return a < b ? b : a; }
+[[nodiscard]] inline wide abs(wide a) noexcept {
+    return reinterpret_cast<wide>(reinterpret_cast<wide_int>(a) & 0x7fffffff);
+}
+[[nodiscard]] inline wide select(wide_int mask, wide yes, wide no) noexcept {
+    return mask ? yes : no;
+}
+[[nodiscard]] inline wide_int truncate(wide a) noexcept {
+    return __builtin_convertvector(a, wide_int);
+}
+[[nodiscard]] inline wide to_float(wide_int a) noexcept { return __builtin_convertvector(a, wide); }
+
+template <>
+struct lanes<wide> {
+    static constexpr std::size_t count = lane_count;
+    static wide load(const float* from) noexcept {
+        wide value;
+        std::memcpy(&value, from, sizeof value);
+        return value;
+    }
+    static void store(float* to, wide value) noexcept { std::memcpy(to, &value, sizeof value); }
+    static void store(std::int32_t* to, wide_int value) noexcept {
+        std::memcpy(to, &value, sizeof value);
+    }
+    static wide fill(float value) noexcept { return wide{} + value; }
+};
+
+#else
+
+using wide = float;
+
+#endif
+
+}  // namespace billow::inline BILLOW_ABI::simd
