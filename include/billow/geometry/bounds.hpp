@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <concepts>
 #include <limits>
-#include <ranges>
 
 #include <billow/core/types.hpp>
 
@@ -16,23 +16,24 @@ struct bounding_sphere {
     double radius = 0;
 };
 
-/// The sphere around the centre of the axis-aligned box that holds every point of the range, not
-/// always the smallest one. No points give centre and radius 0.
+/// The sphere around the centre of the axis-aligned box that holds the points point_at(0) …
+/// point_at(count - 1); not always the smallest sphere. No points give centre and radius 0.
 ///
-/// Source: Luksch 2009, section 4.1.
-template <std::ranges::forward_range Points>
-[[nodiscard]] bounding_sphere bounding_sphere_of(const Points& points) {
-    if (std::ranges::empty(points)) return {};
+/// Source  Luksch 2009, section 4.1.
+template <std::invocable<std::size_t> PointAt>
+[[nodiscard]] bounding_sphere bounding_sphere_of(std::size_t count, const PointAt& point_at) {
+    if (count == 0) return {};
     dvec3 low{std::numeric_limits<double>::infinity()};
     dvec3 high = -low;
-    for (const auto& point : points) {
-        low = glm::min(low, dvec3(point));
-        high = glm::max(high, dvec3(point));
+    for (std::size_t i = 0; i < count; ++i) {
+        const dvec3 point(point_at(i));
+        low = glm::min(low, point);
+        high = glm::max(high, point);
     }
     const dvec3 centre = low + (high - low) * 0.5;
     double radius_sq = 0;
-    for (const auto& point : points) {
-        const dvec3 offset = dvec3(point) - centre;
+    for (std::size_t i = 0; i < count; ++i) {
+        const dvec3 offset = dvec3(point_at(i)) - centre;
         radius_sq = std::max(radius_sq, glm::dot(offset, offset));
     }
     return {centre, std::sqrt(radius_sq)};

@@ -1,0 +1,110 @@
+// Sets of faces that a search works with: those a plane takes, those a bin may take.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
+
+#include <billow/core/parallel.hpp>
+#include <billow/geometry/plane.hpp>
+#include <billow/mesh/face_table.hpp>
+#include <billow/policy/contribution.hpp>
+#include <billow/policy/validity.hpp>
+
+namespace billow::inline BILLOW_ABI {
+
+/// Rows of a face table, ascending.
+using face_rows = std::vector<std::uint32_t>;
+
+/// The rows for which `predicate(face_lanes<wide>)` gives a positive number, in parallel.
+template <class Predicate>
+[[nodiscard]] face_rows filter_rows(const face_table& faces, const Predicate& predicate,
+                                    parallel threads = {}) {
+    using V = simd::wide;
+    constexpr std::size_t chunk = 8192;
+    std::vector<float> keeps(faces.padded_size());
+    std::vector<std::size_t> counts((faces.padded_size() + chunk - 1) / chunk + 1);
+    threads.for_chunks(faces.padded_size(), chunk, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; row += simd::lanes<V>::count) {
+            simd::lanes<V>::store(keeps.data() + row, predicate(load_faces<V>(faces, row)));
+        }
+        std::size_t count = 0;
+        for (std::size_t row = begin; row < std::min(end, faces.size); ++row) {
+            count += keeps[row] > 0 ? 1 : 0;
+        }
+        counts[begin / chunk + 1] = count;
+    });
+    for (std::size_t i = 1; i < counts.size(); ++i) counts[i] += counts[i - 1];
+    face_rows rows(counts.back());
+    threads.for_chunks(faces.padded_size(), chunk, [&](std::size_t begin, std::size_t end) {
+        std::size_t at = counts[begin / chunk];
+        for (std::size_t row = begin; row < std::min(end, faces.size); ++row) {
+            if (keeps[row] > 0) rows[at++] = static_cast<std::uint32_t>(row);
+        }
+    });
+    return rows;
+}
+
+/// The faces whose three corners lie within epsilon of `p`. Source: Luksch 2009, section 2.1.
+[[nodiscard]] inline face_rows faces_valid_for(const face_table& faces, const plane& p,
+                                               double epsilon, parallel threads = {}) {
+    using V = simd::wide;
+    const auto fill = [](double value) { return simd::lanes<V>::fill(static_cast<float>(value)); };
+    const vec3_lanes<V> normal = fill_lanes<V>(vec3(p.normal));
+    const V rho = fill(p.rho);
+    const V eps = fill(epsilon);
+    const V yes = fill(1);
+    const V no = fill(0);
+    return filter_rows(
+        faces,
+        [&](const face_lanes<V>& face) {
+            const offset_interval<V> valid = valid_offsets(face, normal, eps);
+            return simd::select(valid.low <= rho, simd::select(rho <= valid.high, yes, no), no);
+        },
+        threads);
+}
+
+/// The faces that `estimate` finds valid for some plane of a cell with an offset in
+/// [low, high]: "simple validity". Source: Luksch 2009, section 2.1.
+template <validity<simd::wide> Validity>
+[[nodiscard]] face_rows faces_valid_for_bin(const face_table& faces, const orientation_cell& cell,
+                                            double low, double high, double epsilon,
+                                            const Validity& estimate, parallel threads = {}) {
+    using V = simd::wide;
+    const auto fill = [](double value) { return simd::lanes<V>::fill(static_cast<float>(value)); };
+    const cell_lanes<V> lanes(cell);
+    const V eps = fill(epsilon);
+    const V bin_low = fill(low);
+    const V bin_high = fill(high);
+    const V yes = fill(1);
+    const V no = fill(0);
+    return filter_rows(
+        faces,
+        [&](const face_lanes<V>& face) {
+            const offset_interval<V> valid = estimate(face, lanes, eps);
+            const V from = simd::max(valid.low, bin_low);
+            const V to = simd::min(valid.high, bin_high);
+            return simd::select(from <= to, simd::select(valid.low <= valid.high, yes, no), no);
+        },
+        threads);
+}
+
+/// Contribution of the given rows to a plane with `normal`, summed in their order in double.
+template <contribution<float> Contribution>
+[[nodiscard]] double contribution_of(const face_table& faces, const face_rows& rows,
+                                     const dvec3& normal, const Contribution& worth) {
+    const vec3_lanes<float> n = fill_lanes<float>(vec3(normal));
+    double sum = 0;
+    for (const std::uint32_t row : rows) {
+        sum += static_cast<double>(worth(load_faces<float>(faces, row), n));
+    }
+    return sum;
+}
+
+/// The plane that the face of `row` lies in.
+[[nodiscard]] inline plane supporting_plane(const face_table& faces, std::size_t row) {
+    const dvec3 normal = glm::normalize(faces.normal.get(row));
+    return {normal, glm::dot(normal, faces.centroid(row))};
+}
+
+}  // namespace billow::inline BILLOW_ABI
