@@ -1,0 +1,58 @@
+// All of billow but the reading and writing of files, which is in io.hpp.
+#pragma once
+
+#include <billow/core/config.hpp>
+#include <billow/core/expected.hpp>
+#include <billow/core/jobs.hpp>
+#include <billow/core/parallel.hpp>
+#include <billow/core/progress.hpp>
+#include <billow/core/random.hpp>
+#include <billow/core/simd.hpp>
+#include <billow/core/types.hpp>
+#include <billow/core/version.hpp>
+
+#include <billow/geometry/bounds.hpp>
+#include <billow/geometry/frame.hpp>
+#include <billow/geometry/plane.hpp>
+#include <billow/geometry/rectangle.hpp>
+
+#include <billow/image/image.hpp>
+#include <billow/image/mip_chain.hpp>
+#include <billow/image/nearest.hpp>
+#include <billow/image/raster.hpp>
+#include <billow/image/srgb.hpp>
+
+#include <billow/mesh/face_table.hpp>
+#include <billow/mesh/material.hpp>
+#include <billow/mesh/mesh.hpp>
+#include <billow/mesh/validate.hpp>
+
+#include <billow/plane_space/cube_map.hpp>
+#include <billow/plane_space/plane_space.hpp>
+#include <billow/plane_space/spherical.hpp>
+
+#include <billow/fit/average.hpp>
+#include <billow/fit/fit.hpp>
+#include <billow/fit/least_squares.hpp>
+#include <billow/fit/svd.hpp>
+
+#include <billow/plants/grammar.hpp>
+
+#include <billow/shapes/box.hpp>
+#include <billow/shapes/leaf_soup.hpp>
+#include <billow/shapes/sphere.hpp>
+#include <billow/shapes/teapot.hpp>
+
+#include <billow/policy/contribution.hpp>
+#include <billow/policy/penalty.hpp>
+#include <billow/policy/validity.hpp>
+
+#include <billow/density/grid.hpp>
+#include <billow/density/rasterize.hpp>
+
+#include <billow/cloud/billboard_cloud.hpp>
+#include <billow/cloud/fit_billboards.hpp>
+
+#include <billow/search/face_sets.hpp>
+
+#include <billow/bake/baked_cloud.hpp>

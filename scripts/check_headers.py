@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Checks what every header of include/billow promises.
+
+- It includes only its own folder and lower layers.
+- Third parties are included only where they belong.
+- billow.hpp or io.hpp reaches it.
+- It starts with a word on what it is and has #pragma once.
+
+    check_headers.py             checks
+    check_headers.py --umbrella  writes billow.hpp anew, from the layers below
+"""
+
+import pathlib
+import re
+import sys
+
+INCLUDE = pathlib.Path(__file__).resolve().parent.parent / "include"
+
+# The house, from the ground up. A folder that is not here has no place yet: add it.
+LAYERS = [
+    ["core"],
+    ["geometry"],
+    ["image"],
+    ["mesh"],
+    ["plane_space", "fit", "plants", "shapes"],
+    ["policy"],
+    ["density", "cloud"],
+    ["search"],
+    ["improve"],
+    ["bake"],
+    ["lod", "metrics", "io"],
+    ["pipeline"],
+    ["billow"],
+]
+
+# Who alone may include what.
+RESERVED = {
+    r"immintrin\.h|arm_neon\.h": "core/simd.hpp",
+    r"omp\.h": "core/parallel.hpp",
+    r"Eigen/.*": "fit/",
+    r"stb_rect_pack\.h": "bake/",
+    r"tiny_.*|stb_image.*|nlohmann/.*": "io/",
+}
+
+ANY_INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
+
+
+def layer(name):
+    """Height of a header such as "mesh/mesh.hpp", or None where its folder has no place."""
+    folder = name.split("/")[0].removesuffix(".hpp")
+    return next((i for i, row in enumerate(LAYERS) if folder in row), None)
+
+
+def faults_of(name, text, includes):
+    if not text.startswith("//"):
+        yield "does not start with a comment that says what it is"
+    if "\n#pragma once\n" not in text:
+        yield "lacks #pragma once"
+    if layer(name) is None:
+        yield f"is in a folder without a layer, see {pathlib.Path(__file__).name}"
+        return
+    for other in includes:
+        for pattern, home in RESERVED.items():
+            if re.fullmatch(pattern, other) and not name.startswith(home):
+                yield f"includes <{other}>, which belongs to {home}"
+        if not other.startswith("billow/"):
+            continue
+        other = other.removeprefix("billow/")
+        is_neighbour = other.split("/")[0] == name.split("/")[0]
+        if not (INCLUDE / "billow" / other).exists():
+            yield f"includes {other}, which does not exist"
+        elif name != "io.hpp" and not is_neighbour and (layer(other) or 0) >= layer(name):
+            yield f"includes {other}, which is not in a lower layer"
+
+
+def reached(includes, name, seen):
+    if name in includes and name not in seen:
+        seen.add(name)
+        for other in includes[name]:
+            reached(includes, other.removeprefix("billow/"), seen)
+    return seen
+
+
+def umbrella(names):
+    """The text of billow.hpp: every header but those of io, a block for each folder."""
+    blocks = ["// All of billow but the reading and writing of files, which is in io.hpp.\n"
+              "#pragma once"]
+    for folder in (folder for row in LAYERS for folder in row if folder not in ("io", "billow")):
+        block = [f"#include <billow/{name}>" for name in names
+                 if name == f"{folder}.hpp" or name.startswith(f"{folder}/")]
+        if block:
+            blocks.append("\n".join(block))
+    return "\n\n".join(blocks) + "\n"
+
+
+def main():
+    root = INCLUDE / "billow"
+    if sys.argv[1:] == ["--umbrella"]:
+        names = sorted(p.relative_to(root).as_posix() for p in root.rglob("*.hpp"))
+        (root / "billow.hpp").write_text(umbrella(names), encoding="utf-8", newline="\n")
+    elif sys.argv[1:]:
+        sys.exit(__doc__)
+    texts = {p.relative_to(root).as_posix(): p.read_text(encoding="utf-8")
+             for p in sorted(root.rglob("*.hpp"))}
+    includes = {name: ANY_INCLUDE.findall(text) for name, text in texts.items()}
+    faults = [f"{name} {fault}" for name, text in texts.items()
+              for fault in faults_of(name, text, includes[name])]
+
+    seen = reached(includes, "billow.hpp", set())
+    faults += [f"billow.hpp reaches {name}, which belongs to io.hpp"
+               for name in sorted(seen) if name == "io.hpp" or name.startswith("io/")]
+    reached(includes, "io.hpp", seen)
+    for name in texts:
+        if name not in seen:
+            home = "io.hpp" if name.startswith("io/") else "billow.hpp"
+            faults.append(f"{home} lacks #include <billow/{name}>")
+
+    print("\n".join(faults) or f"{len(texts)} headers are in order")
+    sys.exit(bool(faults))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,2 @@
+#define BILLOW_IO_IMPLEMENTATION
+#include "billow_io.hpp"

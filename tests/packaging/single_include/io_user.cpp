@@ -1,0 +1,3 @@
+#include "billow_io.hpp"
+
+int main() { return 0; }

@@ -1,0 +1,2 @@
+// Compiled for another instruction set than one.cpp.
+#include "other.cpp"

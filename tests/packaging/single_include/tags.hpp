@@ -1,0 +1,5 @@
+// What the two translation units tell each other.
+#pragma once
+
+const char* tag_of_one();
+const char* tag_of_other();
