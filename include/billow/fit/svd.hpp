@@ -26,7 +26,7 @@ struct svd_fit {
             covariance += d * d.transpose();
         });
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-        const Eigen::Vector3d spread = solver.eigenvalues();  // ascending
+        const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
         dvec3 normal = start.normal;
         if (spread(1) - spread(0) > 1e-9 * spread(2)) {
             const Eigen::Vector3d n = solver.eigenvectors().col(0);
