@@ -868,6 +868,7 @@ struct float_image {
 // Meijster, Roerdink, Hesselink, "A general algorithm for computing distance transforms in linear
 // time", 2000, carried from distances to the pixels that they are measured to.
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -878,13 +879,26 @@ namespace billow::inline BILLOW_ABI {
 /// Buffers of nearest_pixels, reused between calls.
 struct nearest_scratch {
     struct parabola {
-        int x = 0;      ///< column of the pixel
+        int x = 0;
+        int y = 0;
         int begin = 0;  ///< first column that it is nearest to
     };
     std::vector<parabola> envelopes{};  ///< a row's worth for each chunk of rows
 };
 
 inline constexpr std::int32_t no_pixel = -1;
+
+namespace detail {
+
+inline constexpr std::size_t nearest_chunk = 64;  ///< rows, or columns, done together
+
+}  // namespace detail
+
+/// How many envelopes nearest_pixels needs.
+[[nodiscard]] inline std::size_t nearest_scratch_size(int width, int height) noexcept {
+    const std::size_t rows = static_cast<std::size_t>(height) + detail::nearest_chunk - 1;
+    return static_cast<std::size_t>(width) * (rows / detail::nearest_chunk);
+}
 
 /// Fills `nearest[y * width + x]` with the index of the nearest pixel (y' * width + x') for which
 /// `is_seed(x', y')`; with no_pixel everywhere when there is none. Of equally near ones the choice
@@ -896,12 +910,12 @@ inline constexpr std::int32_t no_pixel = -1;
 template <class IsSeed>
 void nearest_pixels(int width, int height, const IsSeed& is_seed, std::span<std::int32_t> nearest,
                     nearest_scratch& scratch, parallel threads = {1}) {
-    constexpr std::size_t chunk = 64;
+    constexpr std::size_t chunk = detail::nearest_chunk;
     const auto w = static_cast<std::size_t>(width);
     const auto h = static_cast<std::size_t>(height);
     BILLOW_ASSERT(nearest.size() == w * h);
-    const std::size_t row_chunks = (h + chunk - 1) / chunk;
-    if (scratch.envelopes.size() < w * row_chunks) scratch.envelopes.resize(w * row_chunks);
+    const std::size_t envelopes = nearest_scratch_size(width, height);
+    if (scratch.envelopes.size() < envelopes) scratch.envelopes.resize(envelopes);
 
     // First the row of the nearest seed in the same column, downwards, then upwards.
     threads.for_chunks(w, chunk, [&](std::size_t begin, std::size_t end) {
@@ -951,11 +965,15 @@ void nearest_pixels(int width, int height, const IsSeed& is_seed, std::span<std:
                     }
                     --size;
                 }
-                if (first < width) envelope[size++] = {x, first};
+                if (first < width) envelope[size++] = {x, row[static_cast<std::size_t>(x)], first};
             }
             if (size == 0) continue;
-            // From the right, so that a row index is read before it is replaced by a pixel's.
-            scratch_rows(row, envelope.first(size), width);
+            for (std::size_t i = 0; i < size; ++i) {
+                const int last = i + 1 < size ? envelope[i + 1].begin : width;
+                for (int x = envelope[i].begin; x < last; ++x) {
+                    row[static_cast<std::size_t>(x)] = envelope[i].y * width + envelope[i].x;
+                }
+            }
         }
     });
 }
@@ -1222,6 +1240,73 @@ struct mesh {
 };
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/mesh/validate.hpp
+// The door that a mesh of unknown origin passes before anything trusts it.
+
+#include <atomic>
+#include <cmath>
+#include <string>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Checks that every corner of every face exists and is finite, and that columns have their rows.
+///
+/// Fails   out_of_range: a corner, or a column of the wrong length; not_finite: a position. The
+///         message names the first such face. Degenerate faces are fine, so is a mesh of none.
+/// Cost    O(faces), parallel.
+[[nodiscard]] inline expected<done> validate(const mesh& m, const parallel& threads = {}) {
+    const std::size_t vertex_count = m.vertex_count();
+    const auto has_rows = [](const auto& column, std::size_t rows) {
+        return column.empty() || column.size() == rows;
+    };
+    if (!has_rows(m.normals, vertex_count) || !has_rows(m.tangents, vertex_count) ||
+        !has_rows(m.uv_sets[0], vertex_count) || !has_rows(m.uv_sets[1], vertex_count) ||
+        !has_rows(m.colors, vertex_count) || !has_rows(m.feature_ids, vertex_count)) {
+        return error{error_code::out_of_range, "a vertex attribute has not one value a vertex"};
+    }
+    if (!has_rows(m.face_materials, m.face_count())) {
+        return error{error_code::out_of_range, "there is not one material id a face"};
+    }
+    if (m.face_count() >= no_id || vertex_count >= no_id) {
+        return error{error_code::too_large, "more than 2^32 - 2 faces or vertices"};
+    }
+
+    const auto is_out_of_range = [&](std::size_t face) {
+        const uvec3 t = m.triangles[face];
+        return t.x >= vertex_count || t.y >= vertex_count || t.z >= vertex_count;
+    };
+    const auto is_bad = [&](std::size_t face) {
+        if (is_out_of_range(face)) return true;
+        for (const vec3& p : m.corners(static_cast<face_id>(face))) {
+            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return true;
+        }
+        return false;
+    };
+
+    std::atomic<std::size_t> first_bad{m.face_count()};
+    threads.for_chunks(m.face_count(), 1 << 15, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t face = begin; face < end; ++face) {
+            if (!is_bad(face)) continue;
+            std::size_t known = first_bad.load();
+            while (face < known && !first_bad.compare_exchange_weak(known, face)) {
+            }
+            return;
+        }
+    });
+
+    const std::size_t face = first_bad.load();
+    if (face == m.face_count()) return done{};
+    if (is_out_of_range(face)) {
+        return error{error_code::out_of_range, "face " + std::to_string(face) +
+                                                   " has a corner beyond the last of " +
+                                                   std::to_string(vertex_count) + " vertices"};
+    }
+    return error{error_code::not_finite,
+                 "face " + std::to_string(face) + " has a position that is NaN or infinite"};
+}
+
+}  // namespace billow::inline BILLOW_ABI
 
 namespace billow::inline BILLOW_ABI {
 
@@ -1290,33 +1375,22 @@ inline constexpr double degenerate_area_share = 1e-12;
 
 /// Centres the faces of `m` and computes what the search needs of each.
 ///
-/// Fails  error_code::not_finite names the first face with a NaN or infinite corner,
-///        error_code::out_of_range the first with an index past the last vertex.
+/// Fails  as validate does, naming the face; too_large where areas would leave the range of floats.
 /// Cost   O(faces); 60 bytes a face.
 /// Source Luksch 2009, section 4.1. Differs: faces without a normal are set aside.
-[[nodiscard]] inline expected<face_table> make_face_table(const mesh& m) {
-    for (face_id face = 0; face < m.face_count(); ++face) {
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = m.triangles[face][k];
-            if (vertex >= m.vertex_count()) {
-                return error{error_code::out_of_range, "face " + std::to_string(face) +
-                                                           " uses vertex " +
-                                                           std::to_string(vertex) + " of " +
-                                                           std::to_string(m.vertex_count())};
-            }
-            const vec3 p = m.positions[vertex];
-            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-                return error{error_code::not_finite,
-                             "face " + std::to_string(face) + " has a corner that is not finite"};
-            }
-        }
-    }
+[[nodiscard]] inline expected<face_table> make_face_table(const mesh& m, parallel threads = {}) {
+    if (const expected<done> valid = validate(m, threads); !valid) return valid.error();
     face_table faces;
     faces.bounds = bounding_sphere_of(m.face_count() * 3, [&](std::size_t i) {
         return m.positions[m.triangles[i / 3][static_cast<glm::length_t>(i % 3)]];
     });
-    faces.resize(m.face_count());
     const double radius = faces.bounds.radius;
+    if (radius != 0 && !(radius > 1e-15 && radius < 1e15)) {
+        return error{error_code::too_large, "a mesh of radius " + std::to_string(radius) +
+                                                " is beyond single precision, scale it to "
+                                                "between 1e-15 and 1e15"};
+    }
+    faces.resize(m.face_count());
     std::size_t row = 0;
     for (face_id face = 0; face < m.face_count(); ++face) {
         const auto [a, b, c] = m.corners(face);
@@ -1348,14 +1422,17 @@ inline constexpr double degenerate_area_share = 1e-12;
 
 /// The given rows of `faces`, in the given order, as a table of its own (without `degenerate`).
 [[nodiscard]] inline face_table select_rows(const face_table& faces,
-                                            std::span<const std::uint32_t> rows) {
+                                            std::span<const std::uint32_t> rows,
+                                            parallel threads = {}) {
     face_table selected;
     selected.bounds = faces.bounds;
     selected.resize(rows.size());
-    detail::for_each_column(faces, selected, [&](const auto& from, auto& to) {
-        for (std::size_t i = 0; i < rows.size(); ++i) to[i] = from[rows[i]];
+    threads.for_chunks(rows.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        detail::for_each_column(faces, selected, [&](const auto& from, auto& to) {
+            for (std::size_t i = begin; i < end; ++i) to[i] = from[rows[i]];
+        });
+        for (std::size_t i = begin; i < end; ++i) selected.source[i] = faces.source[rows[i]];
     });
-    for (std::size_t i = 0; i < rows.size(); ++i) selected.source[i] = faces.source[rows[i]];
     return selected;
 }
 
@@ -1399,73 +1476,6 @@ template <class V>
             load3(faces.normal),
             load(faces.area),
             load(faces.reach)};
-}
-
-}  // namespace billow::inline BILLOW_ABI
-// ---- billow/mesh/validate.hpp
-// The door that a mesh of unknown origin passes before anything trusts it.
-
-#include <atomic>
-#include <cmath>
-#include <string>
-
-
-namespace billow::inline BILLOW_ABI {
-
-/// Checks that every corner of every face exists and is finite, and that columns have their rows.
-///
-/// Fails   out_of_range: a corner, or a column of the wrong length; not_finite: a position. The
-///         message names the first such face. Degenerate faces are fine, so is a mesh of none.
-/// Cost    O(faces), parallel.
-[[nodiscard]] inline expected<done> validate(const mesh& m, const parallel& threads = {}) {
-    const std::size_t vertex_count = m.vertex_count();
-    const auto has_rows = [](const auto& column, std::size_t rows) {
-        return column.empty() || column.size() == rows;
-    };
-    if (!has_rows(m.normals, vertex_count) || !has_rows(m.tangents, vertex_count) ||
-        !has_rows(m.uv_sets[0], vertex_count) || !has_rows(m.uv_sets[1], vertex_count) ||
-        !has_rows(m.colors, vertex_count) || !has_rows(m.feature_ids, vertex_count)) {
-        return error{error_code::out_of_range, "a vertex attribute has not one value a vertex"};
-    }
-    if (!has_rows(m.face_materials, m.face_count())) {
-        return error{error_code::out_of_range, "there is not one material id a face"};
-    }
-    if (m.face_count() >= no_id || vertex_count >= no_id) {
-        return error{error_code::too_large, "more than 2^32 - 2 faces or vertices"};
-    }
-
-    const auto is_out_of_range = [&](std::size_t face) {
-        const uvec3 t = m.triangles[face];
-        return t.x >= vertex_count || t.y >= vertex_count || t.z >= vertex_count;
-    };
-    const auto is_bad = [&](std::size_t face) {
-        if (is_out_of_range(face)) return true;
-        for (const vec3& p : m.corners(static_cast<face_id>(face))) {
-            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) return true;
-        }
-        return false;
-    };
-
-    std::atomic<std::size_t> first_bad{m.face_count()};
-    threads.for_chunks(m.face_count(), 1 << 15, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t face = begin; face < end; ++face) {
-            if (!is_bad(face)) continue;
-            std::size_t known = first_bad.load();
-            while (face < known && !first_bad.compare_exchange_weak(known, face)) {
-            }
-            return;
-        }
-    });
-
-    const std::size_t face = first_bad.load();
-    if (face == m.face_count()) return done{};
-    if (is_out_of_range(face)) {
-        return error{error_code::out_of_range, "face " + std::to_string(face) +
-                                                   " has a corner beyond the last of " +
-                                                   std::to_string(vertex_count) + " vertices"};
-    }
-    return error{error_code::not_finite,
-                 "face " + std::to_string(face) + " has a position that is NaN or infinite"};
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -1986,7 +1996,7 @@ struct svd_fit {
             covariance += d * d.transpose();
         });
         const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
-        const Eigen::Vector3d spread = solver.eigenvalues();  // ascending
+        const Eigen::Vector3d& spread = solver.eigenvalues();  // ascending
         dvec3 normal = start.normal;
         if (spread(1) - spread(0) > 1e-9 * spread(2)) {
             const Eigen::Vector3d n = solver.eigenvectors().col(0);
@@ -2008,6 +2018,268 @@ static_assert(plane_fitter<svd_fit>);
 
 }  // namespace billow::inline BILLOW_ABI
 
+// ---- billow/plants/branch_mesh.hpp
+// Bark: frusta around the segments of a skeleton.
+
+#include <algorithm>
+#include <cmath>
+
+// ---- billow/plants/skeleton.hpp
+// What a turtle leaves behind: the axes of a plant and the places of its leaves, in columns.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Branch segments and leaf sites. A segment comes after its parent.
+///
+/// Unit  scene units. A frame's normal is the heading, its u the left, its v the upper side.
+struct skeleton {
+    std::vector<std::uint32_t> parents{};  ///< segment that this one grows from; no_id: a root
+    std::vector<dvec3> starts{}, ends{};   ///< a child starts where its parent ends
+    std::vector<frame> frames{};
+    std::vector<float> start_radii{}, end_radii{};  ///< filled by assign_radii
+
+    std::vector<std::uint32_t> leaf_segments{};  ///< segment at whose end the leaf grows
+    std::vector<frame> leaf_frames{};
+    std::vector<float> leaf_scales{};
+
+    [[nodiscard]] std::size_t segment_count() const noexcept { return parents.size(); }
+    [[nodiscard]] std::size_t leaf_count() const noexcept { return leaf_segments.size(); }
+};
+
+/// For every segment the child that continues it: the one that turns least, if it turns by less
+/// than 90°; no_id where there is none.
+[[nodiscard]] inline std::vector<std::uint32_t> continuations(const skeleton& bones) {
+    std::vector<std::uint32_t> heirs(bones.segment_count(), no_id);
+    std::vector<double> best(bones.segment_count(), 1e-3);
+    for (std::uint32_t i = 0; i < bones.segment_count(); ++i) {
+        const std::uint32_t parent = bones.parents[i];
+        if (parent == no_id) continue;
+        const double cosine = glm::dot(bones.frames[parent].normal, bones.frames[i].normal);
+        if (cosine > best[parent] + 1e-9) {  // of equal ones the first stays, on every machine
+            best[parent] = cosine;
+            heirs[parent] = i;
+        }
+    }
+    return heirs;
+}
+
+/// The number of segments that nothing grows from.
+[[nodiscard]] inline std::size_t tip_count(const skeleton& bones) {
+    std::vector<char> has_child(bones.segment_count(), 0);
+    for (const std::uint32_t parent : bones.parents) {
+        if (parent != no_id) has_child[parent] = 1;
+    }
+    return static_cast<std::size_t>(std::ranges::count(has_child, 0));
+}
+
+/// Scales the plant so that its highest segment ends at `height` above the ground, y = 0.
+///
+/// Fails   malformed: nothing of it is above the ground.
+[[nodiscard]] inline expected<done> scale_to_height(skeleton& bones, double height) {
+    double top = 0;
+    for (const dvec3& end : bones.ends) top = std::max(top, end.y);
+    if (!(top > 1e-9)) {
+        return error{error_code::malformed, "the plant does not grow above the ground"};
+    }
+    const double scale = height / top;
+    for (dvec3& p : bones.starts) p *= scale;
+    for (dvec3& p : bones.ends) p *= scale;
+    return done{};
+}
+
+struct radius_options {
+    double trunk = 0.15;  ///< radius of a lone root's end, in scene units
+    double flare = 1.4;   ///< how much wider a root starts at the ground
+    double collar = 1.2;  ///< how much wider a branch starts than it goes on; 1: none
+};
+
+/// Radii by da Vinci's rule: at every node the parent's cross-section is the sum of its children's,
+/// r² = Σ r², all tips being equal. A continuation starts with its parent's end radius; a side
+/// branch starts inside its parent, never wider than that.
+///
+/// Source  Leonardo da Vinci, notebooks, as quoted in ABOP, section 2.1 (there with the exponent
+///         as a parameter).
+inline void assign_radii(skeleton& bones, const radius_options& options = {}) {
+    const std::size_t count = bones.segment_count();
+    const double tip_area =
+        options.trunk * options.trunk / double(std::max<std::size_t>(1, tip_count(bones)));
+    std::vector<double> areas(count, 0);
+    for (std::size_t i = count; i-- > 0;) {
+        if (areas[i] == 0) areas[i] = tip_area;
+        if (bones.parents[i] != no_id) areas[bones.parents[i]] += areas[i];
+    }
+    const std::vector<std::uint32_t> heirs = continuations(bones);
+    bones.start_radii.resize(count);
+    bones.end_radii.resize(count);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t parent = bones.parents[i];
+        const double radius = std::sqrt(areas[i]);
+        bones.end_radii[i] = static_cast<float>(radius);
+        if (parent == no_id) {
+            bones.start_radii[i] = static_cast<float>(radius * options.flare);
+        } else if (heirs[parent] == i) {
+            bones.start_radii[i] = bones.end_radii[parent];
+        } else {
+            bones.start_radii[i] =
+                std::min(bones.end_radii[parent], static_cast<float>(radius * options.collar));
+        }
+    }
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+struct branch_options {
+    unsigned sides = 10;      ///< of the thickest branch; thinner ones have fewer
+    unsigned min_sides = 3;   ///< of the thinnest ones
+    double bark_width = 0.5;  ///< width of the bark image, in scene units; every branch has a
+                              ///< whole number of them around, at least one
+};
+
+namespace detail {
+
+/// `vector` carried along as the unit tangent turns from `from` to `to`, without twist.
+[[nodiscard]] inline dvec3 transported(const dvec3& vector, const dvec3& from, const dvec3& to) {
+    const dvec3 axis = glm::cross(from, to);
+    const dvec3 once = glm::cross(axis, vector);
+    return vector + once + glm::cross(axis, once) / (1 + glm::dot(from, to));
+}
+
+/// Builds the frusta of one path after the other.
+class bark_builder {
+public:
+    bark_builder(const skeleton& bones, const branch_options& options, material_id material,
+                 mesh& out)
+        : bones_(bones), options_(options), material_(material), out_(out) {}
+
+    void build() {
+        const std::vector<std::uint32_t> heirs = continuations(bones_);
+        for (const float radius : bones_.start_radii) thickest_ = std::max(thickest_, radius);
+        for (std::uint32_t i = 0; i < bones_.segment_count(); ++i) {
+            const std::uint32_t parent = bones_.parents[i];
+            if (parent != no_id && heirs[parent] == i) continue;
+            path_.clear();
+            for (std::uint32_t s = i; s != no_id; s = heirs[s]) path_.push_back(s);
+            add_path();
+        }
+    }
+
+private:
+    /// A path has one ring more than segments; neighbours share a ring, so nothing gapes.
+    void add_path() {
+        const double first_radius = double(bones_.start_radii[path_.front()]);
+        sides_ = std::max(options_.min_sides,
+                          static_cast<unsigned>(std::lround(
+                              options_.sides * std::sqrt(first_radius / double(thickest_)))));
+        repeats_ = std::max(1.0, std::round(tau * first_radius / options_.bark_width));
+        const auto first_ring = static_cast<std::uint32_t>(out_.vertex_count());
+        const auto row = static_cast<std::uint32_t>(sides_ + 1);
+        double v = 0;
+        dvec3 tangent = heading(0), right = -bones_.frames[path_.front()].u;
+        for (std::size_t k = 0; k <= path_.size(); ++k) {
+            const dvec3 next = k == 0 || k == path_.size()
+                                   ? heading(std::min(k, path_.size() - 1))
+                                   : glm::normalize(heading(k - 1) + heading(k));
+            right = transported(right, tangent, next);
+            tangent = next;
+            if (k > 0) v -= length(k - 1) * repeats_ / (pi * (radius(k - 1) + radius(k)));
+            add_ring(k, tangent, right, v);
+            if (k == 0) continue;
+            const auto below = first_ring + static_cast<std::uint32_t>(k - 1) * row;
+            for (std::uint32_t s = 0; s < sides_; ++s) {
+                const std::uint32_t a = below + s, b = a + 1, c = a + row, d = c + 1;
+                add_face({a, b, d});
+                add_face({a, d, c});
+            }
+        }
+        if (bones_.parents[path_.front()] == no_id) add_cap(0, first_ring, true);
+        add_cap(path_.size(), first_ring + static_cast<std::uint32_t>(path_.size()) * row, false);
+    }
+
+    void add_ring(std::size_t k, const dvec3& tangent, const dvec3& right, double v) {
+        const dvec3 centre = k == 0 ? bones_.starts[path_[0]] : bones_.ends[path_[k - 1]];
+        const dvec3 back = glm::cross(tangent, right);
+        // The surface leans by how fast the radius falls on both sides of the ring.
+        const std::size_t before = k == 0 ? 0 : k - 1, after = std::min(k, path_.size() - 1);
+        const double lean = (radius(before) - radius(after + 1)) /
+                            (before == after ? length(before) : length(before) + length(after));
+        for (unsigned s = 0; s <= sides_; ++s) {
+            const double angle = tau * (s % sides_) / sides_;
+            const dvec3 outward = right * std::cos(angle) + back * std::sin(angle);
+            out_.positions.emplace_back(centre + outward * radius(k));
+            out_.normals.emplace_back(glm::normalize(outward + tangent * lean));
+            out_.uv_sets[0].emplace_back(repeats_ * s / sides_, v);
+        }
+    }
+
+    /// Closes a ring with a flat fan of its own vertices.
+    void add_cap(std::size_t k, std::uint32_t ring, bool looks_back) {
+        const auto first = static_cast<std::uint32_t>(out_.vertex_count());
+        const dvec3 axis = heading(k == 0 ? 0 : k - 1) * (looks_back ? -1.0 : 1.0);
+        for (unsigned s = 0; s < sides_; ++s) {
+            const double angle = tau * s / sides_;
+            out_.positions.push_back(vec3(out_.positions[ring + s]));  // a copy: the column grows
+            out_.normals.emplace_back(axis);
+            out_.uv_sets[0].emplace_back(vec2(std::cos(angle), std::sin(angle)) *
+                                         static_cast<float>(repeats_ / tau));
+        }
+        for (std::uint32_t s = 1; s + 1 < sides_; ++s) {
+            const uvec3 face(first, first + s, first + s + 1);
+            add_face(looks_back ? uvec3(face.x, face.z, face.y) : face);
+        }
+    }
+
+    void add_face(const uvec3& face) {
+        out_.triangles.push_back(face);
+        out_.face_materials.push_back(material_);
+    }
+
+    [[nodiscard]] dvec3 heading(std::size_t k) const { return bones_.frames[path_[k]].normal; }
+    [[nodiscard]] double length(std::size_t k) const {
+        return glm::distance(bones_.starts[path_[k]], bones_.ends[path_[k]]);
+    }
+    /// Of ring k.
+    [[nodiscard]] double radius(std::size_t k) const {
+        return double(k == 0 ? bones_.start_radii[path_[0]] : bones_.end_radii[path_[k - 1]]);
+    }
+
+    static constexpr double pi = 3.14159265358979323846;
+    static constexpr double tau = 2 * pi;
+
+    const skeleton& bones_;
+    const branch_options& options_;
+    material_id material_;
+    mesh& out_;
+    float thickest_ = 0;
+    std::vector<std::uint32_t> path_{};
+    unsigned sides_ = 3;
+    double repeats_ = 1;
+};
+
+}  // namespace detail
+
+/// Adds a frustum for every segment. Segments that continue each other form a path whose rings are
+/// shared and do not twist; a side branch starts on its parent's axis, inside the bark. Tips, and
+/// roots at the ground, are closed.
+///
+/// Shape   adds to positions, normals, uv set 0, triangles and face_materials.
+/// Unit    u counts the images around the branch; v falls by length · images / (2π r) along it, so
+///         that the image keeps its proportions and its upper side looks to the tip.
+/// Needs   radii assigned and above zero; min_sides ≥ 3; bark_width > 0.
+inline void add_branches(mesh& out, const skeleton& bones, const branch_options& options = {},
+                         material_id material = 0) {
+    BILLOW_ASSERT(bones.end_radii.size() == bones.segment_count());
+    BILLOW_ASSERT(options.min_sides >= 3 && options.bark_width > 0);
+    detail::bark_builder(bones, options, material, out).build();
+}
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/plants/grammar.hpp
 // Bracketed L-systems: a word is rewritten generation by generation into the plan of a plant.
 //
@@ -2039,7 +2311,7 @@ struct grammar {
 
 struct expand_options {
     unsigned generations = 1;
-    std::uint64_t seed = 1;                      ///< of the draws between productions
+    std::uint64_t seed = 1;                          ///< of the draws between productions
     std::size_t max_symbols = std::size_t{1} << 26;  ///< longer words are an error
 };
 
@@ -2136,16 +2408,707 @@ namespace detail {
     return word;
 }
 
-/// The tree of Bounegta (sic) et al.: n generations give 4^n F and 4^n - 1 L.
+/// The third bracket of the forest paper's production.
 enum class third_branch {
     as_printed,  ///< F[+FL][FL-][>FL]: the minus after the last symbol turns nothing
     turned,      ///< F[+FL][-FL][>FL]: what was almost surely meant
 };
 
+/// The tree of "Approach geometry/image for rendering forest in real time", IJMA 3(3), 2011,
+/// section 4. From the axiom F, n generations give 4^n F and 4^n - 1 L.
 [[nodiscard]] inline grammar forest_paper_grammar(third_branch spelling = third_branch::turned) {
     return {.axiom = "F",
             .productions = {{'F', spelling == third_branch::as_printed ? "F[+FL][FL-][>FL]"
                                                                        : "F[+FL][-FL][>FL]"}}};
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/plants/leaf_mesh.hpp
+// Leaves: textured quads around the leaf sites of a skeleton.
+//
+// The quad stands for a leaf, or for a small twig with several; see leaf_image.
+
+#include <cmath>
+
+
+namespace billow::inline BILLOW_ABI {
+
+struct leaf_options {
+    double per_site = 4;        ///< mean number of quads at a leaf site, whole or not
+    double length = 0.3;        ///< of a quad, in scene units
+    double aspect = 1;          ///< width of a quad over its length
+    double size_jitter = 0.2;   ///< quads differ by up to this share of their size
+    double spread_deg = 55;     ///< angle between the twig and its leaves, but the one at the end
+    double turn_deg = 137.508;  ///< from one leaf to the next around the twig: the golden angle
+    double along = 0.7;         ///< share of the last segment that carries leaves
+    double tilt = 0.5;          ///< 0: quads look at the sky, as far as they can; 1: anywhere
+    double lift = 0.15;         ///< how far leaves rise towards the light; below 0 they hang
+    unsigned variants = 2;      ///< the image holds variants x variants pictures
+};
+
+/// How many quads the k-th of all sites gets, so that after n sites there are floor(n · per_site).
+[[nodiscard]] inline std::size_t leaves_at_site(std::size_t k, double per_site) noexcept {
+    return static_cast<std::size_t>(std::floor(double(k + 1) * per_site) -
+                                    std::floor(double(k) * per_site));
+}
+
+/// Adds the leaves of every site. The middle of a quad's lower edge lies on the axis of the site's
+/// segment, so no leaf floats.
+///
+/// Shape   floor(leaf_count · per_site) quads of two faces and four vertices; adds to positions,
+///         normals, uv set 0, triangles and face_materials.
+/// Needs   length, aspect > 0; size_jitter < 1; variants ≥ 1.
+inline void add_leaves(mesh& out, const skeleton& bones, const leaf_options& options = {},
+                       material_id material = 0, std::uint64_t seed = 1) {
+    BILLOW_ASSERT(options.length > 0 && options.aspect > 0 && options.variants >= 1);
+    constexpr double radian = 3.14159265358979323846 / 180;
+    for (std::size_t site = 0; site < bones.leaf_count(); ++site) {
+        const std::uint32_t segment = bones.leaf_segments[site];
+        const frame& axes = bones.leaf_frames[site];
+        const std::size_t count = leaves_at_site(site, options.per_site);
+        random_stream random(mix_bits(seed) + site);
+        const double first_turn = random.between(0, 360);
+        for (std::size_t k = 0; k < count; ++k) {
+            const double share = (double(k) + (k == 0 ? 0 : random.between(-0.4, 0.4))) /
+                                 double(count) * options.along;
+            const dvec3 base = glm::mix(bones.ends[segment], bones.starts[segment], share);
+            const double turn = radian * (first_turn + double(k) * options.turn_deg);
+            const double spread = radian * options.spread_deg *
+                                  (k == 0 ? random.between(0, 0.4) : random.between(0.75, 1.25));
+            const dvec3 sideways = axes.u * std::cos(turn) + axes.v * std::sin(turn);
+            const dvec3 up =
+                glm::normalize(axes.normal * std::cos(spread) + sideways * std::sin(spread) +
+                               dvec3(0, options.lift, 0));
+            // What the quad looks at: the sky and something random, across its own direction.
+            const dvec3 random_look(random.between(-1, 1), random.between(-1, 1),
+                                    random.between(-1, 1));
+            dvec3 look = glm::mix(dvec3(0, 1, 0), random_look, options.tilt);
+            look -= up * glm::dot(up, look);
+            const double look_length = glm::length(look);
+            const dvec3 normal = look_length > 1e-3 ? look / look_length : frame_around(up).u;
+            const double length = options.length * double(bones.leaf_scales[site]) *
+                                  (1 + options.size_jitter * random.between(-1, 1));
+            const dvec3 across = glm::cross(up, normal) * (0.5 * options.aspect * length);
+
+            const auto cells = options.variants;
+            const auto cell = static_cast<unsigned>(random.between(0, double(cells * cells)));
+            const vec2 corner(float(cell % cells), float(cell / cells));
+            const auto first = static_cast<std::uint32_t>(out.vertex_count());
+            for (const vec2& q : {vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0)}) {
+                out.positions.emplace_back(base + across * double(2 * q.x - 1) +
+                                           up * (length * double(1 - q.y)));
+                out.normals.emplace_back(normal);
+                out.uv_sets[0].push_back((corner + q) / float(cells));
+            }
+            out.triangles.emplace_back(first, first + 1, first + 2);
+            out.triangles.emplace_back(first, first + 2, first + 3);
+            out.face_materials.insert(out.face_materials.end(), 2, material);
+        }
+    }
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/plants/species.hpp
+// Species: a grammar, how it is walked, and what grows on it. Give one to grow() to get a mesh.
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+// ---- billow/plants/textures.hpp
+// Bark and leaves, drawn by formula: the same bytes for the same seed.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// Gradient noise in about [-0.7, 0.7] that repeats after `period` lattice cells.
+///
+/// Source  Perlin, "An image synthesizer", 1985; the smoothstep of 2002.
+[[nodiscard]] inline double tiling_noise(double x, double y, int period_x, int period_y,
+                                         std::uint64_t seed) noexcept {
+    static constexpr double d = 0.70710678118654752;
+    static constexpr double directions[8][2] = {{1, 0},  {d, d},   {0, 1},  {-d, d},
+                                                {-1, 0}, {-d, -d}, {0, -1}, {d, -d}};
+    const double cell_x = std::floor(x), cell_y = std::floor(y);
+    const auto corner = [&](int dx, int dy) {
+        const auto wrap = [](int i, int period) { return (i % period + period) % period; };
+        const int i = wrap(int(cell_x) + dx, period_x), j = wrap(int(cell_y) + dy, period_y);
+        const auto bits = mix_bits(mix_bits(seed) ^ static_cast<std::uint64_t>(j * period_x + i));
+        const auto& direction = directions[bits >> 61];
+        return direction[0] * (x - cell_x - dx) + direction[1] * (y - cell_y - dy);
+    };
+    const auto smooth = [](double t) { return t * t * t * (t * (6 * t - 15) + 10); };
+    const double s = smooth(x - cell_x), t = smooth(y - cell_y);
+    return std::lerp(std::lerp(corner(0, 0), corner(1, 0), s),
+                     std::lerp(corner(0, 1), corner(1, 1), s), t);
+}
+
+/// Blends two colours of bytes.
+[[nodiscard]] inline vec3 blend(const vec3& a, const vec3& b, double share) noexcept {
+    return glm::mix(a, b, static_cast<float>(std::clamp(share, 0.0, 1.0)));
+}
+
+}  // namespace detail
+
+struct bark_image_options {
+    int size = 256;                    ///< width and height, in texels
+    vec3 ridge{0.52f, 0.45f, 0.37f};   ///< sRGB of the ridges
+    vec3 furrow{0.16f, 0.12f, 0.09f};  ///< sRGB between them
+    int ridges = 7;                    ///< from left to right
+    int plates = 3;                    ///< from top to bottom: long ridges for few, plates for many
+    std::uint64_t seed = 1;
+};
+
+/// Bark: ridges of folded noise, stretched along the stem. It tiles both ways.
+[[nodiscard]] inline image bark_image(const bark_image_options& options = {}) {
+    image bark = image::filled(options.size, options.size, 4, 255);
+    for (int y = 0; y < options.size; ++y) {
+        for (int x = 0; x < options.size; ++x) {
+            const double u = (x + 0.5) / options.size, v = (y + 0.5) / options.size;
+            // Furrows wind: the noise is read at a place moved by a slower noise.
+            const double bend = 0.09 * detail::tiling_noise(3 * u, 3 * v, 3, 3, options.seed);
+            double height = 0, weight = 0.62, total = 0;
+            for (int octave = 0; octave < 4; ++octave) {
+                const int nx = options.ridges << octave, ny = options.plates << octave;
+                const double n =
+                    detail::tiling_noise((u + bend) * nx, (v + bend) * ny, nx, ny,
+                                         options.seed + 1 + static_cast<std::uint64_t>(octave));
+                // Folded noise: its zeros are the furrows.
+                height += weight * std::min(1.0, 2.6 * std::abs(n));
+                total += weight;
+                weight *= 0.45;
+            }
+            const double stain = detail::tiling_noise(4 * u, 2 * v, 4, 2, options.seed + 9);
+            const vec3 color = detail::blend(options.furrow, options.ridge, height / total) *
+                               static_cast<float>(1 + 0.35 * stain);
+            for (int c = 0; c < 3; ++c) {
+                bark.pixel(x, y)[c] = byte_from_unit(color[c]);
+            }
+        }
+    }
+    return bark;
+}
+
+struct leaf_image_options {
+    int size = 512;                   ///< width and height, in texels
+    unsigned variants = 2;            ///< variants x variants pictures with other leaves and hues
+    unsigned leaves = 9;              ///< on the twig of a picture; 1: a single leaf
+    double slenderness = 2.1;         ///< length of a leaf over its width
+    vec3 young{0.46f, 0.60f, 0.20f};  ///< sRGB of the brightest leaf
+    vec3 old{0.20f, 0.36f, 0.10f};    ///< sRGB of the darkest one
+    vec3 twig{0.33f, 0.25f, 0.16f};   ///< sRGB
+    std::uint64_t seed = 1;
+};
+
+namespace detail {
+
+/// A leaf of a picture: its foot, its direction, its length and a shade. Plane (x, y) with y up,
+/// the picture being [0, 1]².
+struct drawn_leaf {
+    dvec2 foot, axis;
+    double length = 0;
+    double shade = 0;  ///< 0 old to 1 young
+};
+
+/// A twig from the middle of the lower edge, its leaves alternating to both sides and one in front.
+[[nodiscard]] inline std::vector<drawn_leaf> arrange_leaves(const leaf_image_options& options,
+                                                            std::uint64_t seed) {
+    if (options.leaves <= 1) return {{{0.5, 0.06}, {0, 1}, 0.9, random_unit(seed, 0)}};
+    std::vector<drawn_leaf> leaves;
+    random_stream random(seed);
+    const unsigned side_count = options.leaves - 1;
+    for (unsigned k = 0; k < side_count; ++k) {
+        const double up = (k + 0.5) / side_count;
+        const double angle = (1.15 - 0.55 * up) * random.between(0.85, 1.15);
+        const double side = k % 2 == 0 ? 1 : -1;
+        leaves.push_back({.foot = {0.5, 0.1 + 0.5 * up},
+                          .axis = {side * std::sin(angle), std::cos(angle)},
+                          .length = random.between(0.36, 0.44) * (1.05 - 0.25 * up),
+                          .shade = random.between(0.1, 0.7) + 0.3 * up});
+    }
+    leaves.push_back({.foot = {0.5, 0.6},
+                      .axis = {0, 1},
+                      .length = random.between(0.34, 0.38),
+                      .shade = random.between(0.5, 1)});
+    return leaves;
+}
+
+/// Whether `point` lies on the leaf, and then its colour: midrib, side veins, a darker rim.
+[[nodiscard]] inline bool shade_leaf(const drawn_leaf& leaf, const leaf_image_options& options,
+                                     const dvec2& point, vec3& color) noexcept {
+    const dvec2 offset = (point - leaf.foot) / leaf.length;
+    const double along = glm::dot(offset, leaf.axis);
+    const double across = leaf.axis.x * offset.y - leaf.axis.y * offset.x;
+    const double side = std::abs(across);
+    if (along < 0 || along > 1) return false;
+    const double stalk = 0.12;
+    const double t = (along - stalk) / (1 - stalk);  // 0 at the blade's foot, 1 at its tip
+    const double teeth = 1 + 0.06 * (std::abs(std::fmod(along * 14, 1.0) - 0.5) - 0.25);
+    // Widest below the middle, rounded at the foot, drawn out at the tip.
+    const double half_width =
+        t <= 0 ? 0 : std::sqrt(t) * (1 - t) * (1.3 + 0.9 * t) * teeth / (1.2 * options.slenderness);
+    const double rib = 0.016 * (1.3 - along);
+    if (side > std::max(half_width, rib)) return false;
+    const vec3 blade = blend(options.old, options.young, leaf.shade);
+    if (side < rib) {
+        color = blend(blade, options.young * 1.25f, 0.7);
+        return true;
+    }
+    const double edge = side / half_width;
+    const double vein = std::abs(std::fmod(along * 9 - side * 6 + 9, 1.0) - 0.5);  // 0.5: on it
+    color = blade * static_cast<float>((across > 0 ? 1.06 : 0.94) * (1.05 - 0.2 * edge * edge));
+    if (vein > 0.42) color = blend(color, options.young * 1.15f, 0.45 * (1 - edge));
+    return true;
+}
+
+}  // namespace detail
+
+/// Pictures of leaves on their twigs, or of single leaves, side by side; all stand on the middle
+/// of their lower edge. Alpha is the covered share of a texel; texels without a leaf carry the mean
+/// leaf colour, so that filters find no foreign colour at the rims.
+[[nodiscard]] inline image leaf_image(const leaf_image_options& options = {}) {
+    constexpr int grid = 4;  // samples along a texel's side
+    image leaves = image::filled(options.size, options.size, 4, 0);
+    const int cell_size = options.size / static_cast<int>(options.variants);
+    dvec3 sum{0};
+    double covered = 0;
+    for (unsigned cell = 0; cell < options.variants * options.variants; ++cell) {
+        const auto twig = detail::arrange_leaves(options, mix_bits(options.seed) + cell);
+        const int left = static_cast<int>(cell % options.variants) * cell_size;
+        const int top = static_cast<int>(cell / options.variants) * cell_size;
+        for (int y = 0; y < cell_size; ++y) {
+            for (int x = 0; x < cell_size; ++x) {
+                vec3 total{0};
+                int hits = 0;
+                for (int s = 0; s < grid * grid; ++s) {
+                    const dvec2 point((x + (s % grid + 0.5) / grid) / cell_size,
+                                      1 - (y + (s / grid + 0.5) / grid) / cell_size);
+                    vec3 color{0};
+                    bool is_hit = false;
+                    for (std::size_t k = twig.size(); k-- > 0 && !is_hit;) {  // the last is on top
+                        is_hit = detail::shade_leaf(twig[k], options, point, color);
+                    }
+                    if (!is_hit && options.leaves > 1 && point.y < 0.62 &&
+                        std::abs(point.x - 0.5) < 0.011 * (1.2 - point.y)) {
+                        color = options.twig;
+                        is_hit = true;
+                    }
+                    if (!is_hit) continue;
+                    total += color;
+                    ++hits;
+                }
+                if (hits == 0) continue;
+                total /= float(hits);
+                sum += dvec3(total) * double(hits);
+                covered += hits;
+                std::uint8_t* texel = leaves.pixel(left + x, top + y);
+                for (int c = 0; c < 3; ++c) texel[c] = byte_from_unit(total[c]);
+                texel[3] = byte_from_unit(float(hits) / float(grid * grid));
+            }
+        }
+    }
+    const vec3 mean = covered > 0 ? vec3(sum / covered) : options.old;
+    for (int y = 0; y < options.size; ++y) {
+        for (int x = 0; x < options.size; ++x) {
+            std::uint8_t* texel = leaves.pixel(x, y);
+            if (texel[3] != 0) continue;
+            for (int c = 0; c < 3; ++c) texel[c] = byte_from_unit(mean[c]);
+        }
+    }
+    return leaves;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/plants/turtle.hpp
+// The turtle that walks a word of plants/grammar.hpp through space.
+//
+// Prusinkiewicz, Lindenmayer, "The Algorithmic Beauty of Plants", 1990, sections 1.5 to 1.7.
+//
+//   F f       go forward, drawing a segment / without a trace    L      grow a leaf
+//   + -       turn left / right, about the upper side            [ ]    remember / return
+//   & ^       pitch down / up, about the left side               "      shrink the step
+//   / \ > <   roll right / left / right / left, about the heading; the forest paper uses > and
+//             leaves its meaning open
+//   |         turn around
+//   $         roll until the left side is level, so that + and - turn along the horizon
+//
+// Other symbols say nothing. A number behind a symbol replaces its angle in degrees (turns), or
+// multiplies its length (F f), size (L) or step (").
+
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+
+namespace billow::inline BILLOW_ABI {
+
+struct turtle_options {
+    double step = 1;           ///< length of F, in scene units
+    double shrink = 0.8;       ///< factor of "
+    double angle_deg = 25;     ///< of a turn without a number
+    double angle_jitter = 0;   ///< turns differ by up to this share of themselves
+    double length_jitter = 0;  ///< segments differ by up to this share of their length
+    double wander_deg = 0;     ///< a segment strays by up to this angle from its heading
+    dvec3 tropism{0};          ///< segments bend this way; its length is the angle in radians at
+                               ///< which a segment across it bends (light: +y, weight: -y)
+};
+
+namespace detail {
+
+/// `vector` turned about the unit `axis`.
+[[nodiscard]] inline dvec3 rotated(const dvec3& vector, const dvec3& axis, double angle) noexcept {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return vector * c + glm::cross(axis, vector) * s + axis * (glm::dot(axis, vector) * (1 - c));
+}
+
+[[nodiscard]] inline frame rotated(const frame& f, const dvec3& axis, double angle) noexcept {
+    return {.u = rotated(f.u, axis, angle),
+            .v = rotated(f.v, axis, angle),
+            .normal = rotated(f.normal, axis, angle)};
+}
+
+/// The decimal number `text`, whatever the locale. Anything else is NaN.
+[[nodiscard]] inline double parse_decimal(std::string_view text) noexcept {
+    const bool is_negative = text.starts_with('-');
+    if (is_negative || text.starts_with('+')) text.remove_prefix(1);
+    double value = 0, unit = 0;
+    bool has_digit = false;
+    for (const char c : text) {
+        if (c == '.' && unit == 0) {
+            unit = 1;
+        } else if (c >= '0' && c <= '9') {
+            has_digit = true;
+            value = value * 10 + (c - '0');
+            unit *= 10;
+        } else {
+            return std::nan("");
+        }
+    }
+    if (!has_digit) return std::nan("");
+    if (unit > 0) value /= unit;
+    return is_negative ? -value : value;
+}
+
+/// Reads one word. Random numbers come from (seed, position in the word).
+class turtle {
+public:
+    turtle(std::string_view word, const turtle_options& options, std::uint64_t seed)
+        : word_(word), options_(options), seed_(seed) {}
+
+    [[nodiscard]] expected<skeleton> walk() {
+        for (std::size_t i = 0; i < word_.size(); ++i) {
+            position_ = i;
+            const char symbol = word_[i];
+            double number = std::nan("");
+            if (i + 1 < word_.size() && word_[i + 1] == '(') {
+                const std::size_t close = word_.find(')', i);
+                number = parse_decimal(word_.substr(i + 2, close - i - 2));
+                if (std::isnan(number)) {
+                    return error{error_code::malformed,
+                                 "no number in the parentheses at position " +
+                                     std::to_string(i + 1) + " of the plant's word"};
+                }
+                i = close;
+            }
+            obey(symbol, number);
+        }
+        return std::move(bones_);
+    }
+
+private:
+    struct state {
+        dvec3 position{0};
+        frame axes{.u = {-1, 0, 0}, .v = {0, 0, 1}, .normal = {0, 1, 0}};
+        double step = 1;
+        std::uint32_t segment = no_id;
+    };
+
+    void obey(char symbol, double number) {
+        frame& f = now_.axes;
+        const auto turn = [&](const dvec3& axis, double sign) {
+            const double degrees = std::isnan(number) ? options_.angle_deg : number;
+            f = rotated(f, axis, sign * radians(degrees) * (1 + options_.angle_jitter * jitter(0)));
+        };
+        const double factor = std::isnan(number) ? 1 : number;
+        switch (symbol) {
+            case '+':
+                turn(f.v, 1);
+                break;
+            case '-':
+                turn(f.v, -1);
+                break;
+            case '&':
+                turn(f.u, 1);
+                break;
+            case '^':
+                turn(f.u, -1);
+                break;
+            case '/':
+            case '>':
+                turn(f.normal, 1);
+                break;
+            case '\\':
+            case '<':
+                turn(f.normal, -1);
+                break;
+            case '|':
+                f = {.u = -f.u, .v = f.v, .normal = -f.normal};
+                break;
+            case '$':
+                level();
+                break;
+            case '"':
+                now_.step *= std::isnan(number) ? options_.shrink : number;
+                break;
+            case '[':
+                stack_.push_back(now_);
+                break;
+            case ']':
+                now_ = stack_.back();
+                stack_.pop_back();
+                break;
+            case 'F':
+            case 'f':
+                go(factor, symbol == 'F');
+                break;
+            case 'L':
+                grow_leaf(factor);
+                break;
+            default:
+                break;
+        }
+    }
+
+    void go(double factor, bool draws) {
+        frame& f = now_.axes;
+        // The first segment of a root goes straight up, so that it stands flat on the ground.
+        const double stray = now_.segment == no_id ? 0 : radians(options_.wander_deg);
+        f = rotated(f, f.u, stray * jitter(1));
+        f = rotated(f, f.v, stray * jitter(2));
+        const dvec3 bend = glm::cross(f.normal, options_.tropism);
+        const double angle = glm::length(bend);  // |tropism| sin of the angle to it
+        if (angle > 1e-12) f = rotated(f, bend / angle, angle);
+        const double length =
+            options_.step * now_.step * factor * (1 + options_.length_jitter * jitter(3));
+        if (!(length > 0)) return;
+        const dvec3 end = now_.position + f.normal * length;
+        if (draws) {
+            bones_.parents.push_back(now_.segment);
+            bones_.starts.push_back(now_.position);
+            bones_.ends.push_back(end);
+            bones_.frames.push_back(f);
+            now_.segment = static_cast<std::uint32_t>(bones_.segment_count() - 1);
+        } else {
+            now_.segment = no_id;
+        }
+        now_.position = end;
+    }
+
+    /// A leaf with no segment to hang on is not grown.
+    void grow_leaf(double factor) {
+        if (now_.segment == no_id) return;
+        bones_.leaf_segments.push_back(now_.segment);
+        bones_.leaf_frames.push_back(now_.axes);
+        bones_.leaf_scales.push_back(static_cast<float>(factor));
+    }
+
+    void level() {
+        frame& f = now_.axes;
+        const dvec3 left = glm::cross(dvec3(0, 1, 0), f.normal);
+        const double length = glm::length(left);
+        if (length < 1e-6) return;  // upright: every left side is level
+        f.u = left / length;
+        f.v = glm::cross(f.normal, f.u);
+    }
+
+    [[nodiscard]] static double radians(double degrees) noexcept {
+        return degrees * (3.14159265358979323846 / 180);
+    }
+
+    /// One of four numbers in [-1, 1) that belong to the symbol.
+    [[nodiscard]] double jitter(std::size_t which) const noexcept {
+        return 2 * random_unit(seed_, 4 * position_ + which) - 1;
+    }
+
+    std::string_view word_;
+    const turtle_options& options_;
+    std::uint64_t seed_;
+    std::size_t position_ = 0;
+    state now_{};
+    std::vector<state> stack_{};
+    skeleton bones_{};
+};
+
+}  // namespace detail
+
+/// The skeleton that `word` plans, standing on the origin and growing towards +y; radii are left
+/// to assign_radii.
+///
+/// Fails   malformed: a bracket without partner, a number that is none; invalid_options: a length
+///         or an angle that is not finite, or a step or shrink of zero or less.
+/// Cost    O(length of the word).
+[[nodiscard]] inline expected<skeleton> interpret(std::string_view word,
+                                                  const turtle_options& options = {},
+                                                  std::uint64_t seed = 1) {
+    if (auto fine = check_brackets(word); !fine) return fine.error();
+    const double sum = options.step + options.shrink + options.angle_deg + options.angle_jitter +
+                       options.length_jitter + options.wander_deg + options.tropism.x +
+                       options.tropism.y + options.tropism.z;
+    if (!std::isfinite(sum) || options.step <= 0 || options.shrink <= 0) {
+        return error{error_code::invalid_options,
+                     "the turtle's step and shrink must be above zero, and all numbers finite"};
+    }
+    return detail::turtle(word, options, seed).walk();
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+struct species {
+    std::string name{};
+    grammar rules{};
+    unsigned generations = 5;
+    double height = 8;  ///< of the highest twig above the ground, in scene units (metres)
+    turtle_options turtle{};
+    radius_options radii{};
+    branch_options branches{};
+    leaf_options leaves{};
+    bark_image_options bark{};
+    leaf_image_options foliage{};
+};
+
+/// A broadleaf tree of 8 m and, seed by seed, 17,000 to 21,000 faces: a stem that carries on to the
+/// top (A) with limbs at the golden angle, which branch (B) to both sides and rise to the light. A
+/// twig keeps its leaves for three generations (L, K, J).
+[[nodiscard]] inline species broadleaf() {
+    return {.name = "broadleaf",
+            .rules = {.axiom = "F(0.45)F(0.45)F(0.45)F(0.45)A",
+                      .productions = {{'A',
+                                       "F(0.55)[&(62)\"(0.88)$/(90)B]/"
+                                       "(137.508)F(0.55)[&(58)\"(0.8)$/(90)B]/(137.508)\"(0.92)A"},
+                                      {'B', "FL[&(45)\"B]/(155)\"(0.92)B", 0.72},
+                                      {'B', "FL/(155)\"(0.94)B", 0.28},
+                                      {'L', "K"},
+                                      {'K', "J"},
+                                      {'J', ""}},
+                      .finish = {{'A', "FL"}, {'B', "FL"}, {'K', "L"}, {'J', "L"}}},
+            .generations = 10,
+            .turtle = {.shrink = 0.75,
+                       .angle_jitter = 0.2,
+                       .length_jitter = 0.25,
+                       .wander_deg = 6,
+                       .tropism = {0, 0.14, 0}},
+            .radii = {.trunk = 0.14},
+            .leaves = {.per_site = 3.2, .length = 0.34}};
+}
+
+/// The tree of the forest paper (see forest_paper_grammar): 4^n segments for n generations.
+[[nodiscard]] inline species forest_paper_tree(third_branch spelling = third_branch::turned) {
+    return {.name = "forest paper",
+            .rules = forest_paper_grammar(spelling),
+            .generations = 5,
+            .turtle = {.angle_deg = 28, .angle_jitter = 0.25, .length_jitter = 0.25},
+            .leaves = {.per_site = 1}};
+}
+
+namespace detail {
+
+/// The skeleton of a species in its final size.
+[[nodiscard]] inline expected<skeleton> grow_skeleton(const species& kind, std::uint64_t seed) {
+    if (!(kind.height > 0) || !std::isfinite(kind.height) || !(kind.radii.trunk > 0)) {
+        return error{error_code::invalid_options,
+                     "a plant's height and trunk radius must be above zero"};
+    }
+    const auto word = expand(kind.rules, {.generations = kind.generations, .seed = seed});
+    if (!word) return word.error();
+    auto bones = interpret(*word, kind.turtle, mix_bits(seed));
+    if (!bones) return bones;
+    if (auto scaled = scale_to_height(*bones, kind.height); !scaled) return scaled.error();
+    assign_radii(*bones, kind.radii);
+    return bones;
+}
+
+}  // namespace detail
+
+/// The species with as many generations and leaves as make a plant of `face_count` faces: at most
+/// half of them bark, the others leaves, whose size keeps the crown as dense as it was.
+///
+/// Gives   a species that grows `face_count` faces, or one less, from this `seed`.
+/// Fails   as grow; invalid_options when `face_count` is too small for the species' stem.
+[[nodiscard]] inline expected<species> with_face_count(species kind, std::size_t face_count,
+                                                       std::uint64_t seed = 1) {
+    const auto usual = detail::grow_skeleton(kind, seed);
+    if (!usual) return usual.error();
+    const double usual_leaves = double(usual->leaf_count()) * kind.leaves.per_site;
+    std::size_t bark_faces = 0, sites = 0;
+    unsigned best = 0;
+    for (unsigned generation = 0;; ++generation) {
+        kind.generations = generation;
+        const auto bones = detail::grow_skeleton(kind, seed);
+        if (!bones) return bones.error();
+        mesh bark;
+        add_branches(bark, *bones, kind.branches);
+        const bool is_first = sites == 0;
+        if (bark.face_count() > (is_first ? face_count : face_count / 2)) break;
+        if (!is_first && bark.face_count() <= bark_faces) break;  // a grammar that does not grow
+        best = generation;
+        bark_faces = bark.face_count();
+        sites = bones->leaf_count();
+    }
+    if (sites == 0) {
+        return error{error_code::invalid_options, "no plant of this species has as few as " +
+                                                      std::to_string(face_count) +
+                                                      " faces, leaves among them"};
+    }
+    kind.generations = best;
+    const auto leaves = double((face_count - bark_faces) / 2);
+    kind.leaves.per_site = (leaves + 0.5) / double(sites);
+    kind.leaves.length *= std::clamp(std::sqrt(usual_leaves / std::max(1.0, leaves)), 0.4, 3.0);
+    return kind;
+}
+
+/// A plant of the species: bark (material 0, "bark", opaque) and leaves (material 1, "leaf", alpha
+/// mask, double-sided). Y is up, the root stands on the origin. The same seed gives the same bytes.
+///
+/// Fails   as expand, interpret and scale_to_height do; invalid_options for a height or trunk
+///         radius of zero or less.
+[[nodiscard]] inline expected<mesh> grow(const species& kind, std::uint64_t seed = 1) {
+    const auto bones = detail::grow_skeleton(kind, seed);
+    if (!bones) return bones.error();
+    mesh plant;
+    add_branches(plant, *bones, kind.branches, 0);
+    leaf_options leaves = kind.leaves;
+    leaves.variants = kind.foliage.variants;
+    add_leaves(plant, *bones, leaves, 1, mix_bits(seed) + 1);
+    plant.images = {bark_image(kind.bark), leaf_image(kind.foliage)};
+    plant.materials = {
+        {.name = "bark", .base_color_texture = {.image = 0}, .metallic = 0, .roughness = 0.95f},
+        {.name = "leaf",
+         .base_color_texture = {.image = 1,
+                                .wrap_u = texture_wrap::clamp_to_edge,
+                                .wrap_v = texture_wrap::clamp_to_edge},
+         .metallic = 0,
+         .roughness = 0.75f,
+         .alpha = alpha_mode::mask,
+         .alpha_cutoff = 0.5f,
+         .is_double_sided = true}};
+    return plant;
+}
+
+/// The broadleaf tree with `face_count` faces, or one less: foliage of any size for trials.
+///
+/// Fails   as with_face_count.
+[[nodiscard]] inline expected<mesh> tree_of_about(std::size_t face_count, std::uint64_t seed = 1) {
+    const auto kind = with_face_count(broadleaf(), face_count, seed);
+    if (!kind) return kind.error();
+    return grow(*kind, seed);
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -3155,6 +4118,59 @@ inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel th
 }
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/cloud/measure.hpp
+// How far a cloud is from its mesh, measured on the mesh's own vertices.
+
+#include <algorithm>
+#include <cmath>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Errors of a cloud. Distances are in scene units.
+struct cloud_errors {
+    double max_error = 0;             ///< largest distance of a mapped vertex to its plane
+    double mean_error = 0;            ///< mean over a face's corners, area-weighted over the faces
+    double projected_area_share = 0;  ///< area-weighted mean |cos| between a face and its plane: 1
+        ///< when every texture is seen frontally, 0.5 for random planes
+    std::size_t mapped_faces = 0;
+    std::size_t faces_beyond_epsilon = 0;  ///< mapped faces with a vertex farther than epsilon
+};
+
+/// Measures `cloud` against the mesh that it was made of, in double. Cost O(faces).
+[[nodiscard]] inline cloud_errors measure_errors(const mesh& m, const billboard_cloud& cloud) {
+    cloud_errors errors;
+    double area_sum = 0;
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        const plane_id id = cloud.plane_of_face[face];
+        if (id == no_id) continue;
+        ++errors.mapped_faces;
+        const plane& p = cloud.planes[id];
+        const auto [a, b, c] = m.corners(face);
+        const dvec3 normal = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)) / 2.0;
+        const double area = glm::length(normal);
+        double largest = 0;
+        double sum = 0;
+        for (const vec3& corner : {a, b, c}) {
+            const double distance =
+                std::abs(signed_distance(p, dvec3(corner) - cloud.bounds.centre));
+            largest = std::max(largest, distance);
+            sum += distance;
+        }
+        errors.max_error = std::max(errors.max_error, largest);
+        errors.mean_error += area * sum / 3;
+        errors.projected_area_share += std::abs(glm::dot(p.normal, normal));
+        if (largest > cloud.epsilon * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
+        area_sum += area;
+    }
+    if (area_sum > 0) {
+        errors.mean_error /= area_sum;
+        errors.projected_area_share /= area_sum;
+    }
+    return errors;
+}
+
+}  // namespace billow::inline BILLOW_ABI
 
 // ---- billow/search/face_sets.hpp
 // Sets of faces that a search works with: those a plane takes, those a bin may take.
@@ -3261,6 +4277,463 @@ template <contribution<float> Contribution>
 }
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/greedy.hpp
+// The original greedy density search.
+//
+// X. Décoret, F. Durand, F. X. Sillion, J. Dorsey: Billboard clouds for extreme model
+// simplification. SIGGRAPH 2003; with the corrections and extensions of C. Luksch: Implementation of
+// an improved billboard cloud algorithm. Thesis, TU Wien 2009, and of Fuhrmann et al. 2005.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+// ---- billow/search/refine.hpp
+// From the densest bin to a plane: refinement.
+//
+// Décoret et al. 2003; Luksch 2009, sections 2.1 and 3.2. A bin's density promises only that many
+// faces each have some valid plane in the bin, not that one plane serves them all, and the densest
+// plane may lie in a neighbour. So the bin and what surrounds it are split again and again, and the
+// densest part goes on, until its centre serves every face that is left.
+
+#include <optional>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What becomes of the densest bin.
+enum class refinement {
+    original,   ///< split the bin and its 26 neighbours into 216 (Décoret et al. 2003)
+    fail_safe,  ///< split the bin and what touches it into 64; when no plane is found, try the
+    ///< planes of the bin's faces (Luksch 2009, section 3.2; Fuhrmann et al. 2005, 3.3.2)
+    none,  ///< take the plane of its centre (Luksch 2009, section 3.2)
+};
+
+/// A part of plane space: the planes whose normal lies in a patch and whose offset in a range.
+struct plane_bin {
+    orientation_patch patch{};
+    double rho_low = 0;
+    double rho_high = 0;
+};
+
+/// The plane of the bin's centre.
+template <plane_space Space>
+[[nodiscard]] plane centre_plane(const Space& space, const plane_bin& bin) {
+    return {space.direction_at(bin.patch.chart, bin.patch.centre),
+            (bin.rho_low + bin.rho_high) / 2};
+}
+
+struct refine_options {
+    int children_per_axis = 4;  ///< even: 4 gives 64 sub-bins (the layer that touches the bin), 6
+                                ///< gives 216 (the whole neighbours)
+    int max_levels = 12;        ///< > 0; each level halves the bin
+    /// Share of the bin's contribution that its centre plane must serve to be taken, (0, 1]. 1 is
+    /// the published rule; in soups of many small faces some always straddle a bin's border, so that
+    /// it costs twelve levels and moves the plane by less than the fitting afterwards.
+    double sufficient_share = 1;
+};
+
+/// A refined plane, and how many times its bin was split.
+struct refined_plane {
+    billow::plane plane{};
+    int level = 0;
+};
+
+namespace detail {
+
+/// The children of a bin along each axis, as cells and offsets, and the densest of them.
+template <plane_space Space, class Policies>
+class bin_splitter {
+public:
+    bin_splitter(const Space& space, const Policies& policies, double epsilon, int per_axis,
+                 parallel threads)
+        : space_(space),
+          policies_(policies),
+          epsilon_(epsilon),
+          per_axis_(per_axis),
+          threads_(threads) {}
+
+    struct child {
+        plane_bin bin{};
+        double density = 0;
+    };
+
+    /// The child of most contribution among `faces`. No penalty: planes that slice through foliage
+    /// are wanted (Fuhrmann et al. 2005, section 3.2.2).
+    [[nodiscard]] child densest_child(const face_table& faces, const plane_bin& bin) const {
+        const dvec2 half = bin.patch.half_size / 2.0;
+        const double spacing = (bin.rho_high - bin.rho_low) / 2;
+        std::vector<orientation_patch> patches;
+        std::vector<orientation_cell> cells;
+        for (int j = 0; j < per_axis_; ++j) {
+            for (int i = 0; i < per_axis_; ++i) {
+                const dvec2 step(2 * i + 1 - per_axis_, 2 * j + 1 - per_axis_);
+                patches.push_back({bin.patch.chart, bin.patch.centre + half * step, half});
+                cells.push_back(cell_of_patch(space_, patches.back()));
+            }
+        }
+        const double middle = (bin.rho_low + bin.rho_high) / 2;
+        density_grid grid(cells.size(), {middle - spacing * per_axis_ / 2, spacing, per_axis_},
+                          density_scale(faces));
+        rasterize_density(
+            faces, std::span<const orientation_cell>(cells),
+            density_policies{policies_.validity, policies_.contribution, no_penalty{}}, epsilon_,
+            grid, density_change::add, threads_);
+        const dense_bin best = densest_bin(
+            grid, [](std::size_t, double contribution, double) { return contribution; });
+        const double low = grid.axis().origin + best.bin * spacing;
+        return {{patches[best.row], low, low + spacing}, best.density};
+    }
+
+private:
+    const Space& space_;
+    const Policies& policies_;
+    double epsilon_;
+    int per_axis_;
+    parallel threads_;
+};
+
+}  // namespace detail
+
+/// Splits `bin` until the plane of its centre serves all of the `candidates` that still have a plane
+/// in it.
+///
+/// Needs   candidates that are simple-valid for the bin (faces_valid_for_bin with widened_centre).
+/// Gives   nothing when a bin holds no face any more; after max_levels the last bin's centre.
+/// Cost    O(candidates · children_per_axis²) a level, parallel.
+/// Source  Luksch 2009, section 3.2. Differs: sub-bins may reach across rho = 0, where the offset
+///         turns negative, instead of changing over to the opposite normal.
+template <plane_space Space, class Policies>
+[[nodiscard]] std::optional<refined_plane> refine(const Space& space, plane_bin bin,
+                                                  face_table candidates, const Policies& policies,
+                                                  double epsilon, const refine_options& options,
+                                                  parallel threads = {}) {
+    const detail::bin_splitter splitter(space, policies, epsilon, options.children_per_axis,
+                                        threads);
+    const auto contribution_to = [&](const plane& p) {
+        const face_rows valid = faces_valid_for(candidates, p, epsilon, threads);
+        return std::pair(valid.size(),
+                         contribution_of(candidates, valid, p.normal, policies.contribution));
+    };
+    double promised = std::numeric_limits<double>::infinity();
+    for (int level = 0;; ++level) {
+        const plane centre = centre_plane(space, bin);
+        const auto [served, contribution] = contribution_to(centre);
+        if (served == candidates.size || contribution >= options.sufficient_share * promised ||
+            level == options.max_levels) {
+            return refined_plane{centre, level};
+        }
+        const auto child = splitter.densest_child(candidates, bin);
+        if (child.density <= 0) return std::nullopt;
+        bin = child.bin;
+        promised = child.density;
+        const face_rows rows =
+            faces_valid_for_bin(candidates, cell_of_patch(space, bin.patch), bin.rho_low,
+                                bin.rho_high, epsilon, widened_centre{}, threads);
+        if (rows.empty()) return std::nullopt;
+        candidates = select_rows(candidates, rows, threads);
+    }
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+struct greedy_options {
+    double epsilon = 0;          ///< largest distance of a vertex to its plane, scene units, > 0
+    double rho_rate = 1.5;       ///< offset bins per epsilon, > 0; Luksch 2009: stable from 0.75 on
+    std::size_t max_planes = 0;  ///< 0: as many as it takes; else faces that are left join the
+                                 ///< plane of least error, which breaks epsilon for them
+    refinement refine = refinement::fail_safe;
+    int max_levels = 12;          ///< of refinement, > 0
+    double sufficient_share = 1;  ///< refine_options::sufficient_share
+};
+
+/// What the search did.
+struct greedy_statistics {
+    std::size_t refinement_levels = 0;  ///< sum over the planes
+    std::size_t fail_safes = 0;         ///< planes that refinement did not find
+    std::size_t tweaks = 0;             ///< planes that the fitter moved
+    std::size_t degenerate_faces = 0;   ///< set aside: they have no area
+    std::size_t leftover_faces = 0;     ///< joined the plane of least error, see max_planes
+};
+
+struct greedy_result {
+    billboard_cloud cloud{};  ///< without billboards: fit_billboards adds them
+    greedy_statistics statistics{};
+};
+
+namespace detail {
+
+/// The state of one search. Its methods are the steps of the method, in their order.
+template <plane_space Space, class Policies, plane_fitter Fitter>
+class greedy_searcher {
+public:
+    greedy_searcher(face_table faces, const Space& space, const Policies& policies,
+                    const Fitter& fitter, const greedy_options& options, parallel threads)
+        : remaining_(std::move(faces)),
+          space_(space),
+          policies_(policies),
+          fitter_(fitter),
+          options_(options),
+          threads_(threads),
+          // Columns hold floats: within this margin the bound holds for the mesh's own vertices.
+          epsilon_(
+              std::max(options.epsilon - 1e-6 * remaining_.bounds.radius, options.epsilon / 2)),
+          rows_(make_rows(space)),
+          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {
+        for (const orientation_id id : rows_) cells_.push_back(space.cell(id));
+    }
+
+    greedy_result run(std::size_t face_count, const progress_function& progress) {
+        result_.cloud.bounds = remaining_.bounds;
+        result_.cloud.epsilon = options_.epsilon;
+        result_.cloud.plane_of_face.assign(face_count, no_id);
+        result_.statistics.degenerate_faces = remaining_.degenerate.size();
+        const double total_area = area_sum();
+
+        rasterize_density(remaining_, cells(), policies_, epsilon_, grid_, density_change::add,
+                          threads_);
+        while (remaining_.size > 0 && !is_budget_spent()) {
+            plane found = find_plane();
+            face_rows taken = faces_taken_by(found);
+            tweak(found, taken);
+            emit(found, taken);
+            report(progress, "search", 1 - area_sum() / total_area);
+        }
+        assign_leftovers();
+        return std::move(result_);
+    }
+
+private:
+    /// One row for n and -n, which share their planes.
+    [[nodiscard]] static std::vector<orientation_id> make_rows(const Space& space) {
+        std::vector<orientation_id> rows;
+        for (orientation_id id = 0; id < space.orientation_count(); ++id) {
+            if (id <= space.antipode(id)) rows.push_back(id);
+        }
+        return rows;
+    }
+
+    /// Bins over [-R, R] with a border at 0. Very small epsilons get bins of R / 2048.
+    [[nodiscard]] offset_axis make_axis() const {
+        constexpr double max_bins = 2048;
+        const double radius = remaining_.bounds.radius;
+        const double spacing = std::max(options_.epsilon / options_.rho_rate, radius / max_bins);
+        const int half = std::max(1, static_cast<int>(std::ceil(radius / spacing)));
+        return {-half * spacing, spacing, 2 * half};
+    }
+
+    [[nodiscard]] std::span<const orientation_cell> cells() const noexcept { return cells_; }
+    [[nodiscard]] double area_sum() const noexcept {
+        return std::accumulate(remaining_.area.begin(), remaining_.area.end(), 0.0);
+    }
+    [[nodiscard]] bool is_budget_spent() const noexcept {
+        return options_.max_planes != 0 && result_.cloud.planes.size() >= options_.max_planes;
+    }
+
+    [[nodiscard]] plane find_plane() {
+        const std::optional<plane_bin> bin = find_bin();
+        if (!bin) return plane_of_largest_face(remaining_);
+        if (options_.refine == refinement::none) return centre_plane(space_, *bin);
+
+        const face_table candidates = select_rows(
+            remaining_,
+            faces_valid_for_bin(remaining_, cell_of_patch(space_, bin->patch), bin->rho_low,
+                                bin->rho_high, epsilon_, widened_centre{}, threads_),
+            threads_);
+        const bool is_original = options_.refine == refinement::original;
+        const auto refined = candidates.size == 0
+                                 ? std::nullopt
+                                 : refine(space_, *bin, candidates, policies_, epsilon_,
+                                          {.children_per_axis = is_original ? 6 : 4,
+                                           .max_levels = options_.max_levels,
+                                           .sufficient_share = options_.sufficient_share},
+                                          threads_);
+        if (refined) {
+            result_.statistics.refinement_levels += static_cast<std::size_t>(refined->level);
+            return refined->plane;
+        }
+        ++result_.statistics.fail_safes;
+        if (candidates.size == 0) return plane_of_largest_face(remaining_);
+        if (is_original) return plane_of_largest_face(candidates);
+        return fail_safe(*bin, candidates);
+    }
+
+    /// The densest bin; where penalties leave none above 0, that of most contribution; nothing when
+    /// no face is simple-valid anywhere.
+    [[nodiscard]] std::optional<plane_bin> find_bin() const {
+        const double weight = policies_.penalty.weight;
+        dense_bin best = densest_bin(grid_, [weight](std::size_t, double c, double p) {
+            return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
+        });
+        if (best.density <= 0) {
+            best = densest_bin(grid_, [](std::size_t, double c, double) { return c; });
+        }
+        if (best.contribution <= 0) return std::nullopt;
+        const double low = grid_.axis().origin + best.bin * grid_.axis().spacing;
+        return plane_bin{space_.patch(rows_[best.row]), low, low + grid_.axis().spacing};
+    }
+
+    /// Of the bin's centre plane, the average plane of its faces and the planes of its largest
+    /// faces, the one of most contribution. Source: Fuhrmann et al. 2005, section 3.3.2; Luksch
+    /// 2009, section 3.2. Differs: at most 32 faces are tried, the largest, instead of all.
+    [[nodiscard]] plane fail_safe(const plane_bin& bin, const face_table& candidates) const {
+        const plane centre = centre_plane(space_, bin);
+        std::vector<plane> tries{centre, average_fit{}(candidates, centre)};
+        face_rows order(candidates.size);
+        std::iota(order.begin(), order.end(), 0u);
+        const std::size_t count = std::min<std::size_t>(32, order.size());
+        std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+                          order.end(), [&](std::uint32_t a, std::uint32_t b) {
+                              const float area_a = candidates.area[a];
+                              const float area_b = candidates.area[b];
+                              return area_a != area_b ? area_a > area_b : a < b;
+                          });
+        for (std::size_t i = 0; i < count; ++i) {
+            tries.push_back(supporting_plane(candidates, order[i]));
+        }
+        plane best = tries.front();
+        double most = -1;
+        for (const plane& p : tries) {
+            const double contribution =
+                contribution_of(remaining_, faces_valid_for(remaining_, p, epsilon_, threads_),
+                                p.normal, policies_.contribution);
+            if (contribution > most) most = contribution, best = p;
+        }
+        return best;
+    }
+
+    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
+        const auto largest = std::max_element(faces.area.begin(), faces.area.end());
+        return supporting_plane(faces, static_cast<std::size_t>(largest - faces.area.begin()));
+    }
+
+    /// All remaining faces that are valid for the plane, not only those of the bin: re-evaluation
+    /// (Luksch 2009, section 3.2). A plane that serves nobody gives way to that of the largest face,
+    /// which takes at least its own face, so every round makes progress.
+    [[nodiscard]] face_rows faces_taken_by(plane& found) const {
+        face_rows taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        if (taken.empty()) {
+            found = plane_of_largest_face(remaining_);
+            taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        }
+        if (taken.empty()) {  // epsilon is below what floats resolve
+            const auto largest = std::max_element(remaining_.area.begin(), remaining_.area.end());
+            taken.push_back(static_cast<std::uint32_t>(largest - remaining_.area.begin()));
+        }
+        return taken;
+    }
+
+    /// Moves the plane to its faces, if all of them stay valid and their contribution does not fall;
+    /// then takes the faces that have become valid too. Source: Fuhrmann et al. 2005, section 3.3.3.
+    void tweak(plane& found, face_rows& taken) {
+        const face_table faces = select_rows(remaining_, taken, threads_);
+        const plane moved = fitter_(faces, found);
+        if (moved == found) return;
+        face_rows all(faces.size);
+        std::iota(all.begin(), all.end(), 0u);
+        if (faces_valid_for(faces, moved, epsilon_, threads_).size() != faces.size) return;
+        const auto worth = [&](const plane& p) {
+            return contribution_of(faces, all, p.normal, policies_.contribution);
+        };
+        if (worth(moved) < worth(found)) return;
+        found = moved;
+        taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        ++result_.statistics.tweaks;
+    }
+
+    void emit(const plane& found, const face_rows& taken) {
+        const auto id = static_cast<plane_id>(result_.cloud.planes.size());
+        result_.cloud.planes.push_back(canonical(found));
+        for (const std::uint32_t row : taken) {
+            result_.cloud.plane_of_face[remaining_.source[row]] = id;
+        }
+        face_rows kept;
+        kept.reserve(remaining_.size - taken.size());
+        std::size_t next = 0;
+        for (std::uint32_t row = 0; row < remaining_.size; ++row) {
+            if (next < taken.size() && taken[next] == row) {
+                ++next;
+            } else {
+                kept.push_back(row);
+            }
+        }
+        if (!kept.empty()) {
+            rasterize_density(select_rows(remaining_, taken, threads_), cells(), policies_,
+                              epsilon_, grid_, density_change::remove, threads_);
+        }
+        remaining_ = select_rows(remaining_, kept, threads_);
+    }
+
+    /// Gives every face that is left to the plane whose farthest corner of the face is nearest.
+    void assign_leftovers() {
+        result_.statistics.leftover_faces = remaining_.size;
+        const std::vector<plane>& planes = result_.cloud.planes;
+        threads_.for_chunks(remaining_.size, 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row) {
+                plane_id nearest = no_id;
+                double least = std::numeric_limits<double>::infinity();
+                for (plane_id id = 0; id < planes.size(); ++id) {
+                    double error = 0;
+                    for (const columns3& corner : remaining_.corner) {
+                        error =
+                            std::max(error, std::abs(signed_distance(planes[id], corner.get(row))));
+                    }
+                    if (error < least) least = error, nearest = id;
+                }
+                result_.cloud.plane_of_face[remaining_.source[row]] = nearest;
+            }
+        });
+    }
+
+    face_table remaining_;
+    const Space& space_;
+    const Policies& policies_;
+    const Fitter& fitter_;
+    greedy_options options_;
+    parallel threads_;
+    double epsilon_;
+    std::vector<orientation_id> rows_;
+    std::vector<orientation_cell> cells_;
+    density_grid grid_;
+    greedy_result result_;
+};
+
+}  // namespace detail
+
+/// Finds planes that lie within epsilon of every vertex of every face: again and again the plane of
+/// most density, until no face is left.
+///
+/// Shape   plane_of_face: one row a face of the mesh that `faces` was made of, `face_count` of them.
+/// Unit    epsilon in scene units.
+/// Needs   options.epsilon > 0, options.rho_rate > 0.
+/// Gives   a cloud without billboards, in which every face that has an area lies on exactly one
+///         plane; within epsilon unless max_planes cut the search short. The bound holds for the
+///         mesh's own vertices down to epsilons of 2e-6 radii, where floats end.
+/// Fails   never.
+/// Cost    O(faces · orientations) twice, for the first density and for all removals together, and
+///         O(faces · planes); 130 bytes a face beyond the input. Same result for any thread count.
+/// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.3. Differs where the sources
+///         err: see density/grid.hpp, policy/validity.hpp, search/refine.hpp.
+template <plane_space Space = cube_map, class Policies = density_policies<>,
+          plane_fitter Fitter = least_squares_fit>
+[[nodiscard]] greedy_result greedy_search(face_table faces, std::size_t face_count,
+                                          const greedy_options& options,
+                                          const Space& space = Space{},
+                                          const Policies& policies = {}, const Fitter& fitter = {},
+                                          parallel threads = {},
+                                          const progress_function& progress = {}) {
+    BILLOW_ASSERT(options.epsilon > 0 && options.rho_rate > 0);
+    return detail::greedy_searcher<Space, Policies, Fitter>(std::move(faces), space, policies,
+                                                            fitter, options, threads)
+        .run(face_count, progress);
+}
+
+}  // namespace billow::inline BILLOW_ABI
 
 // ---- billow/bake/baked_cloud.hpp
 // What the baker makes of a billboard cloud: atlases, and where each billboard's tile lies.
@@ -3285,7 +4758,9 @@ struct tile {
 /// Textures of the same size and layout. Channels that say nothing are left empty.
 struct atlas {
     image base_color{};                    ///< RGBA, sRGB, straight alpha of 0 or 255
-    image normal{};                        ///< RGB, tangent space of the billboard
+    /// RGB, tangent space of the tile: x to the right and y up in the atlas (so v and -u of a rotated
+    /// billboard), z along its normal and above 0.
+    image normal{};
     image occlusion_roughness_metallic{};  ///< RGB, linear
     image emissive{};                      ///< RGB, sRGB
 
@@ -3300,5 +4775,1443 @@ struct baked_cloud {
     double texel_size = 0;  ///< scene units a texel side, the same for every tile
     double fill = 0;        ///< share of the atlases' area that is tiles, padding not counted
 };
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/border.hpp
+// Colours for what is transparent, so that filtering and mip maps draw no halo.
+//
+// Luksch 2009, section 4.5; here the whole transparent area is filled, each texel from the opaque
+// one that is exactly nearest.
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+struct pixel_rectangle {
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+};
+
+/// The tile with its padding, as far as the atlas goes.
+[[nodiscard]] inline pixel_rectangle padded(const tile& t, const atlas& in, int padding) noexcept {
+    const int x = std::max(0, t.x - padding);
+    const int y = std::max(0, t.y - padding);
+    return {x, y, std::min(in.width(), t.x + t.width + padding) - x,
+            std::min(in.height(), t.y + t.height + padding) - y};
+}
+
+/// All channels of a pixel but alpha.
+inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
+    for (image* channel : {&in.base_color, &in.normal, &in.occlusion_roughness_metallic,
+                           &in.emissive}) {
+        if (channel->empty()) continue;
+        const std::uint8_t* source = channel->pixel(from.x, from.y);
+        std::copy(source, source + 3, channel->pixel(to.x, to.y));
+    }
+}
+
+struct border_scratch {
+    std::vector<std::int32_t> nearest{};
+    nearest_scratch rows{};
+};
+
+inline void fill_tile_border(atlas& in, const pixel_rectangle& area, border_scratch& scratch) {
+    const std::span nearest = std::span(scratch.nearest)
+                                  .first(static_cast<std::size_t>(area.width) *
+                                         static_cast<std::size_t>(area.height));
+    const auto is_opaque = [&](int x, int y) {
+        return in.base_color.pixel(area.x + x, area.y + y)[3] != 0;
+    };
+    nearest_pixels(area.width, area.height, is_opaque, nearest, scratch.rows);
+    for (int y = 0; y < area.height; ++y) {
+        for (int x = 0; x < area.width; ++x) {
+            const std::int32_t from = nearest[static_cast<std::size_t>(y * area.width + x)];
+            if (from == no_pixel || from == y * area.width + x) continue;
+            copy_texel(in, {area.x + from % area.width, area.y + from / area.width},
+                       {area.x + x, area.y + y});
+        }
+    }
+}
+
+inline void fill_between_tiles(atlas& in, const std::vector<char>& is_filled, parallel threads) {
+    const int width = in.width();
+    std::vector<std::int32_t> nearest(is_filled.size());
+    nearest_scratch scratch;
+    const auto is_seed = [&](int x, int y) {
+        return is_filled[static_cast<std::size_t>(y * width + x)] != 0;
+    };
+    nearest_pixels(width, in.height(), is_seed, nearest, scratch, threads);
+    const auto rows = static_cast<std::size_t>(in.height());
+    threads.for_chunks(rows, 64, [&](std::size_t begin, std::size_t end) {
+        for (auto i = begin * static_cast<std::size_t>(width);
+             i < end * static_cast<std::size_t>(width); ++i) {
+            const std::int32_t from = nearest[i];
+            const auto to = static_cast<std::int32_t>(i);
+            if (from == no_pixel || from == to) continue;
+            copy_texel(in, {from % width, from / width}, {to % width, to / width});
+        }
+    });
+}
+
+}  // namespace detail
+
+/// Gives every transparent texel all channels of the nearest opaque texel: within a tile and its
+/// padding the nearest of that tile, elsewhere the nearest texel of any of these. Alpha stays.
+///
+/// Needs  tiles whose paddings do not overlap.
+/// Cost   O(texels), parallel over tiles, then over rows.
+inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {}) {
+    std::size_t largest = 0;
+    std::size_t widest_rows = 0;
+    for (const tile& t : baked.tiles) {
+        const auto area = detail::padded(t, baked.atlases[t.atlas], padding);
+        const auto w = static_cast<std::size_t>(area.width);
+        const auto h = static_cast<std::size_t>(area.height);
+        largest = std::max(largest, w * h);
+        widest_rows = std::max(widest_rows, nearest_scratch_size(area.width, area.height));
+    }
+    std::vector<detail::border_scratch> scratches(threads.count());
+    for (auto& scratch : scratches) {
+        scratch.nearest.resize(largest);
+        scratch.rows.envelopes.resize(widest_rows);
+    }
+    for_jobs(threads, baked.tiles.size(), scratches, [&](std::size_t job, auto& scratch) {
+        const tile& t = baked.tiles[job];
+        atlas& in = baked.atlases[t.atlas];
+        detail::fill_tile_border(in, detail::padded(t, in, padding), scratch);
+    });
+    for (atlas_id id = 0; id < baked.atlases.size(); ++id) {
+        atlas& in = baked.atlases[id];
+        const auto width = static_cast<std::size_t>(in.width());
+        std::vector<char> is_filled(width * static_cast<std::size_t>(in.height()), 0);
+        for (const tile& t : baked.tiles) {
+            if (t.atlas != id) continue;
+            const auto area = detail::padded(t, in, padding);
+            for (int y = area.y; y < area.y + area.height; ++y) {
+                std::fill_n(is_filled.begin() + static_cast<std::ptrdiff_t>(y) * in.width() + area.x,
+                            area.width, char{1});
+            }
+        }
+        detail::fill_between_tiles(in, is_filled, threads);
+    }
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/draw_set.hpp
+// Which faces are drawn on each billboard: its own, and every other one that lies close enough to
+// its plane. The latter close cracks between planes.
+//
+// Décoret et al. 2003 and Fuhrmann et al. 2005 draw all faces valid for the plane.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+// ---- billow/bake/visibility.hpp
+// Which face is foremost at every sample of an orthographic view.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+// ---- billow/bake/surface.hpp
+// What a mesh looks like at a point of one of its faces: colour, normal, and whether it is there.
+
+#include <array>
+#include <cmath>
+#include <memory>
+#include <span>
+#include <vector>
+
+// ---- billow/bake/texture_sampler.hpp
+// Reading textures as glTF means it: wrap modes, bilinear filter, linear light.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// `uv` after KHR_texture_transform.
+[[nodiscard]] inline vec2 transformed(const texture& t, const vec2& uv) noexcept {
+    return vec2(t.transform[0]) * uv.x + vec2(t.transform[1]) * uv.y + vec2(t.transform[2]);
+}
+
+namespace detail {
+
+/// A coordinate within [0, 1]: where the wrap mode folds it to. NaN becomes 0.
+[[nodiscard]] inline float wrapped(float u, texture_wrap wrap) noexcept {
+    if (wrap == texture_wrap::repeat) {
+        u -= std::floor(u);
+    } else if (wrap == texture_wrap::mirrored_repeat) {
+        u -= 2 * std::floor(u * 0.5f);
+        u = u > 1 ? 2 - u : u;
+    }
+    return u > 0 ? (u < 1 ? u : 1.0f) : 0.0f;
+}
+
+/// The two texels that a coordinate lies between.
+struct texel_pair {
+    int a = 0;
+    int b = 0;
+    float share_of_b = 0;
+};
+
+[[nodiscard]] inline texel_pair texels_at(float u, int size, texture_wrap wrap,
+                                          bool is_nearest) noexcept {
+    const float x = wrapped(u, wrap) * static_cast<float>(size);
+    if (is_nearest) {
+        const int texel = std::min(static_cast<int>(x), size - 1);
+        return {texel, texel, 0};
+    }
+    const int above = static_cast<int>(x + 0.5f);  // the texel after the one before x - 0.5
+    const float share = x + 0.5f - static_cast<float>(above);
+    const bool repeats = wrap == texture_wrap::repeat;
+    return {above > 0 ? above - 1 : (repeats ? size - 1 : 0),
+            above < size ? above : (repeats ? 0 : size - 1), share};
+}
+
+/// The four texels around a point and their shares.
+struct texel_quad {
+    std::array<const std::uint8_t*, 4> texel;
+    std::array<float, 4> share;
+};
+
+[[nodiscard]] inline texel_quad texels_around(const image& level, const texture& t, const vec2& uv,
+                                              bool is_nearest) noexcept {
+    const texel_pair x = texels_at(uv.x, level.width, t.wrap_u, is_nearest);
+    const texel_pair y = texels_at(uv.y, level.height, t.wrap_v, is_nearest);
+    const float fx = x.share_of_b;
+    const float fy = y.share_of_b;
+    return {{level.pixel(x.a, y.a), level.pixel(x.b, y.a), level.pixel(x.a, y.b),
+             level.pixel(x.b, y.b)},
+            {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy}};
+}
+
+}  // namespace detail
+
+/// The level of a chain whose texels are closest in size to a footprint of `texels` texels of
+/// level 0, counted by area.
+[[nodiscard]] inline std::size_t level_of_footprint(double texels, std::size_t levels) noexcept {
+    if (!(texels > 2)) return 0;  // a level has a fourth of the texels; half way is √4
+    int exponent = 0;
+    std::frexp(texels * 0.5, &exponent);  // texels in [2 · 4^(k-1), 2 · 4^k) is level k
+    return std::min(static_cast<std::size_t>((exponent + 1) / 2), levels - 1);
+}
+
+/// Linear RGBA of one texel chain at `uv`, which the texture's transform has been applied to.
+///
+/// Needs  the chain that make_mip_chain gives for `kind`.
+[[nodiscard]] inline vec4 sample_texture(const std::vector<image>& chain, texel_kind kind,
+                                         const texture& t, const vec2& uv,
+                                         std::size_t level) noexcept {
+    const auto& light = linear_of_srgb_byte();
+    const detail::texel_quad quad =
+        detail::texels_around(chain[level], t, uv, t.is_nearest && level == 0);
+    vec4 sum{0};
+    vec3 weighted{0};
+    for (std::size_t i = 0; i < 4; ++i) {
+        const std::uint8_t* p = quad.texel[i];
+        const float alpha = static_cast<float>(p[3]) * (1.0f / 255.0f);
+        const vec3 colour = kind == texel_kind::linear
+                                ? vec3(p[0], p[1], p[2]) * (1.0f / 255.0f)
+                                : vec3(light[p[0]], light[p[1]], light[p[2]]);
+        sum += vec4(colour, alpha) * quad.share[i];
+        weighted += colour * (alpha * quad.share[i]);
+    }
+    if (kind == texel_kind::srgb_alpha && sum.w > 0) return vec4(weighted / sum.w, sum.w);
+    return sum;
+}
+
+/// Alpha alone, in [0, 1]: the last of the channels.
+[[nodiscard]] inline float sample_alpha(const image& level, const texture& t, const vec2& uv,
+                                        bool is_nearest) noexcept {
+    const detail::texel_quad quad = detail::texels_around(level, t, uv, is_nearest);
+    const int last = level.channels - 1;
+    float sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+        sum += static_cast<float>(quad.texel[i][last]) * quad.share[i];
+    }
+    return sum * (1.0f / 255.0f);
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// The look of a point. Colours are linear light, the normal has length 1.
+struct surface_sample {
+    vec3 base_color{1};
+    vec3 normal{0, 0, 1};
+    float occlusion = 1;
+    float roughness = 1;
+    float metallic = 0;
+    vec3 emissive{0};
+};
+
+/// How it is decided whether a sample of a face is there.
+struct face_cover {
+    enum class rule {
+        always,
+        cutoff,  ///< where alpha ≥ cutoff
+        share,   ///< where alpha ≥ a threshold that differs from sample to sample
+    };
+    rule decides = rule::always;
+    float factor = 1;             ///< multiplies the alpha of texture and vertices
+    float cutoff = 0;
+    const image* alpha = nullptr;  ///< none: 1 everywhere
+    const texture* map = nullptr;
+    bool is_nearest = false;
+    std::array<vec2, 3> uvs{};
+    std::array<float, 3> vertex_alpha{1, 1, 1};
+    bool has_vertex_alpha = false;
+};
+
+namespace detail {
+
+/// A texture with its mip chain and coordinates; without a chain it says nothing.
+struct bound_texture {
+    const texture* map = nullptr;
+    const std::vector<image>* chain = nullptr;
+    texel_kind kind = texel_kind::linear;
+
+    [[nodiscard]] explicit operator bool() const noexcept { return chain != nullptr; }
+};
+
+struct bound_material {
+    const material* look = nullptr;
+    bound_texture base_color{};
+    bound_texture metallic_roughness{};
+    bound_texture normal{};
+    bound_texture occlusion{};
+    bound_texture emissive{};
+    std::vector<image> cover{};  ///< alpha; of alpha_mode::mask from level 1 on the share that passes
+};
+
+struct image_chain {
+    image_id image = no_id;
+    texel_kind kind = texel_kind::linear;
+    std::vector<billow::image> levels{};
+};
+
+/// Alpha of every level alone, which the visibility pass reads without the colours.
+[[nodiscard]] inline std::vector<image> alpha_of(const std::vector<image>& chain) {
+    std::vector<image> result;
+    for (const image& level : chain) {
+        image alpha{level.width, level.height, 1, {}};
+        alpha.bytes.reserve(level.bytes.size() / 4);
+        for (std::size_t i = 3; i < level.bytes.size(); i += 4) {
+            alpha.bytes.push_back(level.bytes[i]);
+        }
+        result.push_back(std::move(alpha));
+    }
+    return result;
+}
+
+/// Level 0 as it is; further levels tell which share of its texels passes the alpha test. Mean alpha
+/// would lose what is thin: a leaf's tip has a mean below the cutoff, yet it covers its share.
+[[nodiscard]] inline std::vector<image> cover_of_mask(const std::vector<image>& chain,
+                                                      const material& look) {
+    image passes = chain[0];
+    for (std::size_t i = 3; i < passes.bytes.size(); i += 4) {
+        const float alpha = static_cast<float>(passes.bytes[i]) / 255.0f * look.base_color.w;
+        passes.bytes[i] = alpha >= look.alpha_cutoff ? 255 : 0;
+    }
+    std::vector<image> cover = alpha_of(make_mip_chain(passes, texel_kind::linear));
+    cover[0] = alpha_of({chain[0]})[0];
+    return cover;
+}
+
+}  // namespace detail
+
+/// What is constant over a face when it is drawn at some resolution.
+struct face_look {
+    face_id face = no_id;
+    const detail::bound_material* material = nullptr;
+    vec3 flat_normal{0, 0, 1};
+    std::array<std::size_t, 5> levels{};  ///< mip levels, in the order of bound_material's textures
+    vec3 tangent{0};                      ///< along u of the normal texture, where there is one
+    vec3 bitangent{0};                    ///< up in the normal texture
+};
+
+/// A mesh made ready for shading: the mip chains of the textures that its faces use.
+///
+/// Needs  the mesh outlives it; indices within bounds.
+class surface {
+public:
+    explicit surface(const mesh& source) : mesh_(source) {
+        std::vector<char> is_used(source.materials.size() + 1, 0);
+        for (face_id face = 0; face < source.face_count(); ++face) is_used[material_row(face)] = 1;
+        chains_.reserve(source.materials.size() * 5);
+        materials_.resize(is_used.size());
+        for (std::size_t row = 0; row < is_used.size(); ++row) {
+            static const mesh no_materials;
+            const bool is_plain = row + 1 == is_used.size();
+            materials_[row].look =
+                is_plain ? &no_materials.material_of(0) : &source.materials[row];
+            if (is_used[row] != 0) bind(materials_[row]);
+        }
+        for (const vec4& color : source.colors) has_vertex_alpha_ |= color.w < 1;
+    }
+    surface(const surface&) = delete;
+    surface& operator=(const surface&) = delete;
+
+    [[nodiscard]] const mesh& source() const noexcept { return mesh_; }
+    [[nodiscard]] const material& material_of(face_id face) const noexcept {
+        return *materials_[material_row(face)].look;
+    }
+
+    /// How to decide whether samples of a face are there, when it covers `sample_area` of them.
+    [[nodiscard]] face_cover cover_of(face_id face, double sample_area) const noexcept {
+        const detail::bound_material& bound = materials_[material_row(face)];
+        const material& look = *bound.look;
+        face_cover cover;
+        if (look.alpha == alpha_mode::opaque) return cover;
+        cover.decides = look.alpha == alpha_mode::mask ? face_cover::rule::cutoff
+                                                       : face_cover::rule::share;
+        cover.factor = look.base_color.w;
+        cover.cutoff = look.alpha_cutoff;
+        const uvec3 corners = mesh_.triangles[face];
+        if (has_vertex_alpha_) {
+            cover.has_vertex_alpha = true;
+            for (int k = 0; k < 3; ++k) {
+                cover.vertex_alpha[static_cast<std::size_t>(k)] = mesh_.colors[corners[k]].w;
+            }
+        }
+        if (bound.cover.empty()) return cover;
+        cover.map = bound.base_color.map;
+        cover.uvs = uvs_of(bound.base_color, corners);
+        // Vertex alpha moves the cutoff, which the shares were computed for: then level 0 must do.
+        const bool needs_exact = look.alpha == alpha_mode::mask && has_vertex_alpha_;
+        const std::size_t level =
+            needs_exact ? 0 : level_for(bound.base_color, cover.uvs, sample_area);
+        cover.alpha = &bound.cover[level];
+        cover.is_nearest = level == 0 && cover.map->is_nearest;
+        if (level > 0 && look.alpha == alpha_mode::mask) {
+            cover.decides = face_cover::rule::share;
+            cover.factor = 1;
+        }
+        return cover;
+    }
+
+    /// What at() needs to know of a face that covers `texel_area` texels.
+    [[nodiscard]] face_look look_at(face_id face, double texel_area) const noexcept {
+        const detail::bound_material& bound = materials_[material_row(face)];
+        face_look look;
+        look.face = face;
+        look.material = &bound;
+        const auto [a, b, c] = mesh_.corners(face);
+        const dvec3 cross = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+        const double length = glm::length(cross);
+        if (length > 0) look.flat_normal = vec3(cross / length);
+        const uvec3 corners = mesh_.triangles[face];
+        const std::array textures{&bound.base_color, &bound.metallic_roughness, &bound.normal,
+                                  &bound.occlusion, &bound.emissive};
+        for (std::size_t i = 0; i < textures.size(); ++i) {
+            if (*textures[i]) {
+                look.levels[i] = level_for(*textures[i], uvs_of(*textures[i], corners), texel_area);
+            }
+        }
+        if (bound.normal) set_tangents(look, uvs_of(bound.normal, corners));
+        return look;
+    }
+
+    /// The look of the point with barycentric `weights` (sum 1) of a face.
+    [[nodiscard]] surface_sample at(const face_look& look, const vec3& weights) const noexcept {
+        const detail::bound_material& bound = *look.material;
+        const material& m = *bound.look;
+        const uvec3 corners = mesh_.triangles[look.face];
+        const auto sampled = [&](const detail::bound_texture& t, std::size_t level) {
+            return sample_texture(*t.chain, t.kind, *t.map, uv_at(t, corners, weights), level);
+        };
+        surface_sample sample;
+        sample.base_color = vec3(m.base_color);
+        if (bound.base_color) {
+            sample.base_color *= vec3(sampled(bound.base_color, look.levels[0]));
+        }
+        if (!mesh_.colors.empty()) {
+            sample.base_color *= vec3(mixed(mesh_.colors, corners, weights));
+        }
+        sample.roughness = m.roughness;
+        sample.metallic = m.metallic;
+        if (bound.metallic_roughness) {
+            const vec4 value = sampled(bound.metallic_roughness, look.levels[1]);
+            sample.roughness *= value.y;
+            sample.metallic *= value.z;
+        }
+        if (bound.occlusion) {
+            const vec4 value = sampled(bound.occlusion, look.levels[3]);
+            sample.occlusion = 1 + m.occlusion_strength * (value.x - 1);
+        }
+        sample.emissive = m.emissive;
+        if (bound.emissive) sample.emissive *= vec3(sampled(bound.emissive, look.levels[4]));
+        sample.normal = look.flat_normal;
+        if (!mesh_.normals.empty()) {
+            sample.normal =
+                normalized_or(mixed(mesh_.normals, corners, weights), look.flat_normal);
+        }
+        if (bound.normal) {
+            const vec4 value = sampled(bound.normal, look.levels[2]);
+            sample.normal = bumped(look, sample.normal, corners, weights, vec3(value));
+        }
+        return sample;
+    }
+
+private:
+    template <class T>
+    [[nodiscard]] static T mixed(const std::vector<T>& column, const uvec3& corners,
+                                 const vec3& weights) noexcept {
+        return column[corners.x] * weights.x + column[corners.y] * weights.y +
+               column[corners.z] * weights.z;
+    }
+    [[nodiscard]] static vec3 normalized_or(const vec3& v, const vec3& otherwise) noexcept {
+        const float length = glm::length(v);
+        return length > 1e-12f ? v / length : otherwise;
+    }
+
+    [[nodiscard]] std::size_t material_row(face_id face) const noexcept {
+        const std::size_t count = mesh_.materials.size();
+        const std::size_t row = mesh_.face_materials.empty() ? 0 : mesh_.face_materials[face];
+        return row < count ? row : count;
+    }
+
+    [[nodiscard]] std::array<vec2, 3> uvs_of(const detail::bound_texture& t,
+                                             const uvec3& corners) const noexcept {
+        const std::vector<vec2>& uvs = mesh_.uv_sets[t.map->uv_set];
+        return {transformed(*t.map, uvs[corners.x]), transformed(*t.map, uvs[corners.y]),
+                transformed(*t.map, uvs[corners.z])};
+    }
+    [[nodiscard]] vec2 uv_at(const detail::bound_texture& t, const uvec3& corners,
+                             const vec3& weights) const noexcept {
+        return transformed(*t.map, mixed(mesh_.uv_sets[t.map->uv_set], corners, weights));
+    }
+
+    [[nodiscard]] static std::size_t level_for(const detail::bound_texture& t,
+                                               const std::array<vec2, 3>& uvs,
+                                               double area) noexcept {
+        const dvec2 p = dvec2(uvs[1]) - dvec2(uvs[0]);
+        const dvec2 q = dvec2(uvs[2]) - dvec2(uvs[0]);
+        const image& base = t.chain->front();
+        const double texels = 0.5 * std::abs(p.x * q.y - p.y * q.x) * base.width * base.height;
+        return level_of_footprint(texels / std::max(area, 1e-12), t.chain->size());
+    }
+
+    void set_tangents(face_look& look, const std::array<vec2, 3>& uvs) const noexcept {
+        const auto [a, b, c] = mesh_.corners(look.face);
+        const vec3 e1 = b - a;
+        const vec3 e2 = c - a;
+        const vec2 d1 = uvs[1] - uvs[0];
+        const vec2 d2 = uvs[2] - uvs[0];
+        const float det = d1.x * d2.y - d1.y * d2.x;
+        const float side = det < 0 ? -1.0f : 1.0f;
+        look.tangent = normalized_or((e1 * d2.y - e2 * d1.y) * side, vec3(0));
+        look.bitangent = -normalized_or((e2 * d1.x - e1 * d2.x) * side, vec3(0));  // v runs down
+    }
+
+    /// The normal of a normal texture's `value` around the smooth normal `n`.
+    [[nodiscard]] vec3 bumped(const face_look& look, const vec3& n, const uvec3& corners,
+                              const vec3& weights, const vec3& value) const noexcept {
+        const float scale = look.material->look->normal_scale;
+        const vec3 local = (value * 2.0f - 1.0f) * vec3(scale, scale, 1);
+        vec3 t = look.tangent;
+        vec3 b = look.bitangent;
+        if (!mesh_.tangents.empty()) {
+            t = vec3(mixed(mesh_.tangents, corners, weights));
+            b = glm::cross(n, t) * mesh_.tangents[corners.x].w;
+        }
+        t = normalized_or(t - n * glm::dot(n, t), vec3(0));
+        const float side = glm::dot(glm::cross(n, t), b) < 0 ? -1.0f : 1.0f;
+        b = glm::cross(n, t) * side;
+        return normalized_or(t * local.x + b * local.y + n * local.z, n);
+    }
+
+    [[nodiscard]] detail::bound_texture bound(const texture& t, texel_kind kind) {
+        const bool is_usable = t.image < mesh_.images.size() && !mesh_.images[t.image].empty() &&
+                               t.uv_set < uv_set_count && !mesh_.uv_sets[t.uv_set].empty();
+        if (!is_usable) return {};
+        for (const auto& chain : chains_) {
+            if (chain->image == t.image && chain->kind == kind) return {&t, &chain->levels, kind};
+        }
+        chains_.push_back(std::make_unique<detail::image_chain>(detail::image_chain{
+            t.image, kind, make_mip_chain(mesh_.images[t.image], kind)}));
+        return {&t, &chains_.back()->levels, kind};
+    }
+
+    void bind(detail::bound_material& to) {
+        const material& look = *to.look;
+        const bool is_opaque = look.alpha == alpha_mode::opaque;
+        to.base_color = bound(look.base_color_texture,
+                              is_opaque ? texel_kind::srgb : texel_kind::srgb_alpha);
+        to.normal = bound(look.normal_texture, texel_kind::linear);
+        to.metallic_roughness = bound(look.metallic_roughness_texture, texel_kind::linear);
+        to.occlusion = bound(look.occlusion_texture, texel_kind::linear);
+        if (look.emissive != vec3(0)) to.emissive = bound(look.emissive_texture, texel_kind::srgb);
+        if (is_opaque || !to.base_color) return;
+        to.cover = look.alpha == alpha_mode::mask
+                       ? detail::cover_of_mask(*to.base_color.chain, look)
+                       : detail::alpha_of(*to.base_color.chain);
+    }
+
+    const mesh& mesh_;
+    std::vector<std::unique_ptr<detail::image_chain>> chains_{};
+    std::vector<detail::bound_material> materials_{};
+    bool has_vertex_alpha_ = false;
+};
+
+/// The normal of a sample as it is seen from the side that `toward` (unit length) points to. A
+/// surface seen from behind, or a double-sided one whose normal points away, shows the other side;
+/// a smooth normal that leaves the view at a grazing face does not turn around.
+[[nodiscard]] inline vec3 normal_toward(const surface_sample& sample, const face_look& look,
+                                        const vec3& toward) noexcept {
+    if (glm::dot(sample.normal, toward) >= 0) return sample.normal;
+    const bool is_seen_from_behind = glm::dot(look.flat_normal, toward) < 0;
+    return is_seen_from_behind || look.material->look->is_double_sided ? -sample.normal
+                                                                      : sample.normal;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// Samples per texel side are at most this many.
+inline constexpr int max_supersample = 8;
+
+/// A view along -axes.normal onto a grid of samples.
+struct orthographic_view {
+    frame axes{};            ///< u to the right, v up in the picture, the normal to the viewer
+    dvec3 origin{0};         ///< the upper left corner of the grid, where depth is 0
+    double sample_size = 1;  ///< scene units a sample side
+
+    /// Column and row in samples, rows running down; height above the origin along the normal.
+    [[nodiscard]] dvec3 project(const dvec3& point) const noexcept {
+        const dvec3 local = axes.to_local(point - origin);
+        return {local.x / sample_size, -local.y / sample_size, local.z};
+    }
+    [[nodiscard]] std::array<dvec3, 3> project(const std::array<vec3, 3>& corners) const noexcept {
+        return {project(dvec3(corners[0])), project(dvec3(corners[1])), project(dvec3(corners[2]))};
+    }
+};
+
+/// Heights along the normal between which fragments are drawn.
+struct depth_range {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+};
+
+namespace detail {
+
+/// Thresholds (k + 0.5) / S² for k < S² in the order of Bayer's dither matrix, so that any share of
+/// the S × S samples of a texel is spread over it. Source: Bayer 1973.
+class dither_matrix {
+public:
+    explicit dither_matrix(int side) : side_(static_cast<std::uint32_t>(side)) {
+        BILLOW_ASSERT(side >= 1 && side <= max_supersample);
+        const std::uint32_t count = side_ * side_;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            std::uint32_t rank = 0;
+            for (std::uint32_t k = 0; k < count; ++k) rank += bayer_of(k) < bayer_of(i) ? 1 : 0;
+            rank_[i] = static_cast<std::uint8_t>(rank);
+        }
+    }
+
+    /// Threshold of the sample (x, y) for a face. Faces take the thresholds in another order each:
+    /// of two half-transparent leaves one above the other, the lower must show through.
+    [[nodiscard]] float threshold(int x, int y, std::uint32_t shift) const noexcept {
+        const std::uint32_t count = side_ * side_;
+        const std::uint32_t cell = static_cast<std::uint32_t>(y) % side_ * side_ +
+                                   static_cast<std::uint32_t>(x) % side_;
+        return (static_cast<float>((rank_[cell] + shift) % count) + 0.5f) /
+               static_cast<float>(count);
+    }
+
+private:
+    [[nodiscard]] std::uint32_t bayer_of(std::uint32_t cell) const noexcept {
+        const std::uint32_t x = cell % side_;
+        const std::uint32_t y = cell / side_;
+        std::uint32_t value = 0;
+        for (std::uint32_t bit = 0; bit < 3; ++bit) {
+            const std::uint32_t x_bit = x >> bit & 1;
+            const std::uint32_t y_bit = y >> bit & 1;
+            value = value << 2 | (x_bit ^ y_bit) << 1 | y_bit;
+        }
+        return value;
+    }
+
+    std::uint32_t side_;
+    std::array<std::uint8_t, max_supersample * max_supersample> rank_{};
+};
+
+}  // namespace detail
+
+/// Nearest face and its depth for a window of samples. Faces are drawn one after the other; of two
+/// at the same depth the one drawn first stays, so draw in ascending order of ids.
+class visibility_buffer {
+public:
+    /// Sample columns and rows of the dither pattern: the samples per texel side.
+    explicit visibility_buffer(int supersample = 1) : dither_(supersample) {}
+
+    /// Makes room, so that start() does not allocate.
+    void reserve(std::size_t samples) {
+        depths_.reserve(samples);
+        faces_.reserve(samples);
+    }
+
+    /// Forgets all and looks at `window`.
+    void start(const sample_window& window) {
+        window_ = window;
+        width_ = static_cast<std::size_t>(window.x_end - window.x_begin);
+        const std::size_t size = width_ * static_cast<std::size_t>(window.y_end - window.y_begin);
+        depths_.assign(size, -std::numeric_limits<float>::infinity());
+        faces_.assign(size, no_id);
+    }
+
+    /// Draws a face, clipped to `range`, where its alpha lets it be seen.
+    void draw(const surface& look, const orthographic_view& view, face_id face,
+              const depth_range& range) noexcept {
+        const std::array<dvec3, 3> p = view.project(look.source().corners(face));
+        const raster_triangle triangle({dvec2(p[0]), dvec2(p[1]), dvec2(p[2])});
+        if (triangle.is_empty()) return;
+        const fragment_depth depth(triangle, p, range);
+        if (depth.is_outside()) return;
+        const face_cover cover = look.cover_of(face, triangle.area());
+        if (cover.decides == face_cover::rule::always) {
+            triangle.for_each_row(window_, [&](int y, int begin, int end) {
+                draw_row(y, begin, end, face, depth, [](int) { return true; });
+            });
+            return;
+        }
+        const auto interpolated = [&](auto&& value) {
+            return triangle.interpolate(value(0), value(1), value(2));
+        };
+        const affine_value u = interpolated([&](std::size_t i) { return cover.uvs[i].x; });
+        const affine_value v = interpolated([&](std::size_t i) { return cover.uvs[i].y; });
+        const affine_value a = interpolated([&](std::size_t i) { return cover.vertex_alpha[i]; });
+        const auto shift = static_cast<std::uint32_t>(mix_bits(face));
+        triangle.for_each_row(window_, [&](int y, int begin, int end) {
+            draw_row(y, begin, end, face, depth, [&](int x) {
+                float alpha = cover.factor;
+                if (cover.has_vertex_alpha) alpha *= static_cast<float>(a.at(x, y));
+                if (cover.alpha != nullptr) {
+                    const vec2 uv(u.at(x, y), v.at(x, y));
+                    alpha *= sample_alpha(*cover.alpha, *cover.map, uv, cover.is_nearest);
+                }
+                return alpha >= (cover.decides == face_cover::rule::cutoff
+                                     ? cover.cutoff
+                                     : dither_.threshold(x, y, shift));
+            });
+        });
+    }
+
+    [[nodiscard]] const sample_window& window() const noexcept { return window_; }
+    /// The faces of row y, from window().x_begin on; no_id where nothing was drawn.
+    [[nodiscard]] const face_id* faces_of_row(int y) const noexcept {
+        return faces_.data() + row_offset(y);
+    }
+
+private:
+    /// Depth over a face, kept within the depths of its corners: slivers must not shoot out.
+    struct fragment_depth {
+        affine_value plane{};
+        double low = 0;   ///< of the corners
+        double high = 0;
+        depth_range kept{};
+        bool is_clipped = false;
+
+        fragment_depth(const raster_triangle& triangle, const std::array<dvec3, 3>& p,
+                       const depth_range& range) noexcept
+            : plane(triangle.interpolate(p[0].z, p[1].z, p[2].z)),
+              low(std::min({p[0].z, p[1].z, p[2].z})),
+              high(std::max({p[0].z, p[1].z, p[2].z})),
+              kept(range),
+              is_clipped(low < range.low || high > range.high) {}
+
+        [[nodiscard]] bool is_outside() const noexcept {
+            return high < kept.low || low > kept.high;
+        }
+        [[nodiscard]] double at(int x, int y) const noexcept {
+            return std::clamp(plane.at(x, y), low, high);
+        }
+        [[nodiscard]] bool keeps(double value) const noexcept {
+            return !is_clipped || (value >= kept.low && value <= kept.high);
+        }
+    };
+
+    [[nodiscard]] std::size_t row_offset(int y) const noexcept {
+        return static_cast<std::size_t>(y - window_.y_begin) * width_;
+    }
+
+    template <class IsThere>
+    void draw_row(int y, int begin, int end, face_id face, const fragment_depth& depth,
+                  const IsThere& is_there) noexcept {
+        const std::size_t offset = row_offset(y);
+        for (int x = begin; x < end; ++x) {
+            const double exact = depth.at(x, y);
+            const auto value = static_cast<float>(exact);
+            const std::size_t at = offset + static_cast<std::size_t>(x - window_.x_begin);
+            if (value > depths_[at] && depth.keeps(exact) && is_there(x)) {
+                depths_[at] = value;
+                faces_[at] = face;
+            }
+        }
+    }
+
+    detail::dither_matrix dither_;
+    sample_window window_{};
+    std::size_t width_ = 0;
+    std::vector<float> depths_{};
+    std::vector<face_id> faces_{};
+};
+
+/// The samples of one texel that show the same face.
+struct texel_part {
+    face_id face = no_id;
+    int samples = 0;
+    dvec2 centre{0};  ///< their mean position, in samples
+};
+
+/// Groups the S × S samples of the texel in column x and row y by face. Each group is shaded once,
+/// at its centre: sharper than the mean of filtered samples, and cheaper.
+///
+/// Gives  the number of groups at the front of `parts`.
+inline std::size_t parts_of_texel(
+    const visibility_buffer& buffer, int x, int y, int supersample,
+    std::array<texel_part, max_supersample * max_supersample>& parts) noexcept {
+    std::size_t count = 0;
+    for (int j = y * supersample; j < (y + 1) * supersample; ++j) {
+        const face_id* row = buffer.faces_of_row(j) - buffer.window().x_begin;
+        for (int i = x * supersample; i < (x + 1) * supersample; ++i) {
+            if (row[i] == no_id) continue;
+            std::size_t part = 0;
+            while (part < count && parts[part].face != row[i]) ++part;
+            if (part == count) parts[count++] = {row[i], 0, dvec2(0)};
+            ++parts[part].samples;
+            parts[part].centre += dvec2(i + 0.5, j + 0.5);
+        }
+    }
+    for (std::size_t i = 0; i < count; ++i) parts[i].centre /= parts[i].samples;
+    return count;
+}
+
+/// Shades points of faces in a view; remembers what is constant over the faces met last.
+class view_shader {
+public:
+    view_shader(const surface& look, int supersample) : look_(&look), supersample_(supersample) {}
+
+    /// Forgets the faces of another view.
+    void start(const orthographic_view& view) noexcept {
+        view_ = view;
+        for (entry& e : entries_) e.look.face = no_id;
+    }
+
+    /// The look at `point` (in samples), with its normal turned to the viewer.
+    [[nodiscard]] surface_sample at(face_id face, const dvec2& point) noexcept {
+        entry& e = entries_[face % entries_.size()];
+        if (e.look.face != face) e = entry_of(face);
+        const dvec2 offset = point - e.corner;
+        const double b = std::clamp(glm::dot(e.to_b, offset), 0.0, 1.0);
+        const double c = std::clamp(glm::dot(e.to_c, offset), 0.0, 1.0 - b);
+        surface_sample sample = look_->at(e.look, vec3(1 - b - c, b, c));
+        sample.normal = normal_toward(sample, e.look, vec3(view_.axes.normal));
+        return sample;
+    }
+
+private:
+    struct entry {
+        face_look look{};
+        dvec2 corner{0};
+        dvec2 to_b{0};  ///< barycentric weight of the second corner = dot(to_b, point - corner)
+        dvec2 to_c{0};
+    };
+
+    [[nodiscard]] entry entry_of(face_id face) const noexcept {
+        const std::array<dvec3, 3> p = view_.project(look_->source().corners(face));
+        entry e;
+        e.corner = dvec2(p[0]);
+        const dvec2 u = dvec2(p[1]) - e.corner;
+        const dvec2 v = dvec2(p[2]) - e.corner;
+        const double det = u.x * v.y - u.y * v.x;
+        if (det != 0) {
+            e.to_b = dvec2(v.y, -v.x) / det;
+            e.to_c = dvec2(-u.y, u.x) / det;
+        }
+        e.look = look_->look_at(face, 0.5 * std::abs(det) / (supersample_ * supersample_));
+        return e;
+    }
+
+    const surface* look_;
+    int supersample_;
+    orthographic_view view_{};
+    std::array<entry, 256> entries_{};
+};
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// A face of a draw set, and the bands of texel rows that it may touch.
+struct drawn_face {
+    face_id face = no_id;
+    std::uint16_t first_band = 0;
+    std::uint16_t last_band = 0;
+};
+
+/// What is drawn, and where, on one billboard.
+struct draw_target {
+    orthographic_view view{};
+    int columns = 0;   ///< in samples
+    int rows = 0;      ///< in samples
+    int band_rows = 1;  ///< samples rows a band
+};
+
+/// The faces of each billboard, in ascending order.
+class draw_sets {
+public:
+    /// Faces that reach into the rectangle of a target and are either mapped to its plane, or valid
+    /// for it: all corners within cloud.epsilon, |cos| of the angle between the normals at least
+    /// `least_cosine`.
+    ///
+    /// Needs  `faces` of the mesh that `cloud` was searched in; one target a plane.
+    /// Cost   O(faces × planes) vector operations at worst, fewer where neighbours in the mesh are
+    ///        neighbours in space; parallel over planes.
+    draw_sets(const face_table& faces, const billboard_cloud& cloud,
+              std::span<const draw_target> targets, double least_cosine, parallel threads)
+        : faces_(faces), cloud_(cloud), targets_(targets), least_cosine_(least_cosine) {
+        bound_blocks();
+        const std::size_t planes = targets.size();
+        std::vector<std::size_t> counts(planes, 0);
+        threads.for_chunks(planes, 1, [&](std::size_t plane, std::size_t) {
+            sweep(static_cast<plane_id>(plane), [&](const drawn_face&) { ++counts[plane]; });
+        });
+        begin_.assign(planes + 1, 0);
+        for (std::size_t i = 0; i < planes; ++i) begin_[i + 1] = begin_[i] + counts[i];
+        drawn_.resize(begin_.back());
+        threads.for_chunks(planes, 1, [&](std::size_t plane, std::size_t) {
+            std::size_t at = begin_[plane];
+            sweep(static_cast<plane_id>(plane), [&](const drawn_face& f) { drawn_[at++] = f; });
+        });
+    }
+
+    [[nodiscard]] std::span<const drawn_face> operator[](plane_id plane) const noexcept {
+        return std::span(drawn_).subspan(begin_[plane], begin_[plane + 1] - begin_[plane]);
+    }
+
+private:
+    static constexpr std::size_t block_size = 64;
+
+    struct block {
+        dvec3 centre{0};
+        double radius = 0;
+    };
+
+    /// A sphere around every block of rows, relative to faces_.bounds.centre.
+    void bound_blocks() {
+        for (std::size_t row = 0; row < faces_.size; row += block_size) {
+            const std::size_t end = std::min(row + block_size, faces_.size);
+            std::array<dvec3, 3 * block_size> points;
+            std::size_t count = 0;
+            for (std::size_t i = row; i < end; ++i) {
+                for (const columns3& corner : faces_.corner) points[count++] = corner.get(i);
+            }
+            const bounding_sphere sphere =
+                bounding_sphere_of(std::span(points).first(count));
+            blocks_.push_back({sphere.centre, sphere.radius});
+        }
+    }
+
+    template <class Visit>
+    void sweep(plane_id id, const Visit& visit) const noexcept {
+        using V = simd::wide;
+        using lanes = simd::lanes<V>;
+        const plane& of = cloud_.planes[id];
+        const double rho =
+            of.rho + glm::dot(of.normal, cloud_.bounds.centre - faces_.bounds.centre);
+        const billboard& board = cloud_.billboards[id];
+        const double reach =
+            std::max({cloud_.epsilon, std::abs(board.depth_low), std::abs(board.depth_high)}) +
+            1e-5 * faces_.bounds.radius;
+        const vec3_lanes<V> normal = fill_lanes<V>(vec3(of.normal));
+        const V offset = lanes::fill(static_cast<float>(rho));
+        const V epsilon = lanes::fill(static_cast<float>(cloud_.epsilon));
+        const V least_cosine = lanes::fill(static_cast<float>(least_cosine_));
+        for (std::size_t b = 0; b < blocks_.size(); ++b) {
+            if (std::abs(glm::dot(of.normal, blocks_[b].centre) - rho) > reach + blocks_[b].radius) {
+                continue;
+            }
+            const std::size_t begin = b * block_size;
+            const std::size_t end = std::min(begin + block_size, faces_.size);
+            std::array<float, block_size> is_valid{};
+            for (std::size_t row = begin; row < end; row += lanes::count) {
+                const face_lanes<V> f = load_faces<V>(faces_, row);
+                V distance = simd::abs(dot(f.corner[0], normal) - offset);
+                distance = simd::max(distance, simd::abs(dot(f.corner[1], normal) - offset));
+                distance = simd::max(distance, simd::abs(dot(f.corner[2], normal) - offset));
+                const V cosine = simd::abs(dot(f.normal, normal));
+                const V one = simd::select(distance <= epsilon, lanes::fill(1), lanes::fill(0));
+                lanes::store(is_valid.data() + (row - begin),
+                             simd::select(cosine >= least_cosine, one, lanes::fill(0)));
+            }
+            for (std::size_t row = begin; row < end; ++row) {
+                const face_id face = faces_.source[row];
+                if (is_valid[row - begin] != 0 || cloud_.plane_of_face[face] == id) {
+                    visit_overlapping(row, targets_[id], visit);
+                }
+            }
+        }
+    }
+
+    template <class Visit>
+    void visit_overlapping(std::size_t row, const draw_target& target,
+                           const Visit& visit) const noexcept {
+        dvec2 low{std::numeric_limits<double>::infinity()};
+        dvec2 high = -low;
+        for (const columns3& corner : faces_.corner) {
+            const dvec2 p(target.view.project(corner.get(row) + faces_.bounds.centre));
+            low = glm::min(low, p);
+            high = glm::max(high, p);
+        }
+        if (high.x < 0 || low.x > target.columns || high.y < 0 || low.y > target.rows) return;
+        const int last = (target.rows - 1) / target.band_rows;
+        // One sample more each way: corners of the table are rounded.
+        const auto band_of = [&](double y) {
+            return static_cast<std::uint16_t>(
+                std::clamp(static_cast<int>(std::clamp(y, 0.0, 1.0 * target.rows)) /
+                               target.band_rows,
+                           0, last));
+        };
+        visit(drawn_face{faces_.source[row], band_of(low.y - 1), band_of(high.y + 1)});
+    }
+
+    const face_table& faces_;
+    const billboard_cloud& cloud_;
+    std::span<const draw_target> targets_;
+    double least_cosine_;
+    std::vector<block> blocks_{};
+    std::vector<std::size_t> begin_{};
+    std::vector<drawn_face> drawn_{};
+};
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/pack.hpp
+// Rectangles in, places in as few and as small atlases as can be found, out.
+//
+// The skyline packer is stb_rect_pack; orders, quarter turns and atlas widths are tried around it.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <vector>
+
+
+// The packer lives in our namespace, private to each translation unit, whatever the user includes.
+#pragma push_macro("STBRP_DEF")
+#pragma push_macro("STBRP_SORT")
+#pragma push_macro("STBRP_ASSERT")
+#pragma push_macro("STBRP_STATIC")
+#pragma push_macro("STB_RECT_PACK_IMPLEMENTATION")
+#pragma push_macro("STB_INCLUDE_STB_RECT_PACK_H")
+#pragma push_macro("STB_RECT_PACK_VERSION")
+#pragma push_macro("STBRP__MAXVAL")
+#pragma push_macro("STBRP__NOTUSED")
+#pragma push_macro("STBRP__CDECL")
+#undef STBRP_DEF
+#undef STBRP_SORT
+#undef STBRP_ASSERT
+#undef STB_INCLUDE_STB_RECT_PACK_H
+#undef STB_RECT_PACK_VERSION
+#undef STBRP__MAXVAL
+#undef STBRP__NOTUSED
+#undef STBRP__CDECL
+#undef STBRP_STATIC
+#undef STB_RECT_PACK_IMPLEMENTATION
+#define STBRP_STATIC
+#define STB_RECT_PACK_IMPLEMENTATION
+#define STBRP_ASSERT(condition) BILLOW_ASSERT(condition)
+// We hand the rectangles over in order: qsort would leave ties to the C library.
+#define STBRP_SORT(rects, count, size, compare) static_cast<void>(compare)
+#if defined(__GNUC__)
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wconversion"
+#pragma GCC diagnostic ignored "-Wsign-conversion"
+#pragma GCC diagnostic ignored "-Wmissing-field-initializers"
+#pragma GCC diagnostic ignored "-Wold-style-cast"
+#endif
+namespace billow::inline BILLOW_ABI::detail::stb {
+#include <stb_rect_pack.h>
+}  // namespace billow::inline BILLOW_ABI::detail::stb
+#if defined(__GNUC__)
+#pragma GCC diagnostic pop
+#endif
+#undef STBRP_DEF
+#undef STBRP_SORT
+#undef STBRP_ASSERT
+#undef STBRP_STATIC
+#undef STB_RECT_PACK_IMPLEMENTATION
+#undef STB_INCLUDE_STB_RECT_PACK_H
+#undef STB_RECT_PACK_VERSION
+#undef STBRP__MAXVAL
+#undef STBRP__NOTUSED
+#undef STBRP__CDECL
+#pragma pop_macro("STBRP__CDECL")
+#pragma pop_macro("STBRP__NOTUSED")
+#pragma pop_macro("STBRP__MAXVAL")
+#pragma pop_macro("STB_RECT_PACK_VERSION")
+#pragma pop_macro("STB_INCLUDE_STB_RECT_PACK_H")
+#pragma pop_macro("STB_RECT_PACK_IMPLEMENTATION")
+#pragma pop_macro("STBRP_STATIC")
+#pragma pop_macro("STBRP_ASSERT")
+#pragma pop_macro("STBRP_SORT")
+#pragma pop_macro("STBRP_DEF")
+
+namespace billow::inline BILLOW_ABI {
+
+struct pack_options {
+    int max_size = 4096;        ///< longest side of an atlas, pixels
+    int padding = 8;            ///< pixels kept free on each side of every rectangle
+    int alignment = 4;          ///< padded rectangles and atlases start and end at multiples of it
+    bool power_of_two = false;  ///< sides of atlases are powers of two; costs area
+    bool allows_rotation = true;  ///< rectangles may be turned by 90°
+};
+
+/// Where a rectangle went: its first pixel, padding not counted.
+struct packed_rectangle {
+    atlas_id atlas = no_id;
+    int x = 0;
+    int y = 0;
+    bool is_rotated = false;
+};
+
+struct packing {
+    std::vector<packed_rectangle> rectangles{};  ///< in the order of the input
+    std::vector<ivec2> atlas_sizes{};
+};
+
+namespace detail {
+
+/// One way to fill one atlas, in units of the alignment.
+struct pack_trial {
+    std::vector<stb::stbrp_rect> rectangles{};
+    int width = 0;
+    int height = 0;
+    std::int64_t packed_area = 0;
+    bool holds_all = false;
+
+    [[nodiscard]] std::int64_t area() const noexcept { return std::int64_t{width} * height; }
+    /// More rectangles first, then less area, then the squarer atlas.
+    [[nodiscard]] bool is_better_than(const pack_trial& other) const noexcept {
+        if (holds_all != other.holds_all) return holds_all;
+        if (!holds_all && packed_area != other.packed_area) return packed_area > other.packed_area;
+        if (area() != other.area()) return area() < other.area();
+        return std::max(width, height) < std::max(other.width, other.height);
+    }
+};
+
+[[nodiscard]] inline int floor_power_of_two(int value) noexcept {
+    int power = 1;
+    while (power <= value / 2) power *= 2;
+    return power;
+}
+
+/// The longest side of an atlas, in units of the alignment.
+[[nodiscard]] inline int side_limit(const pack_options& options) noexcept {
+    const int limit = options.max_size / options.alignment;
+    return options.power_of_two ? floor_power_of_two(options.max_size) / options.alignment : limit;
+}
+
+enum class turn_rule { none, landscape, portrait };
+enum class order_rule { height, longer_side, area };
+
+class atlas_packer {
+public:
+    atlas_packer(std::span<const ivec2> sizes, const pack_options& options)
+        : sizes_(sizes), options_(options), limit_(side_limit(options)) {}
+
+    [[nodiscard]] packing run() {
+        packing result;
+        result.rectangles.resize(sizes_.size());
+        std::vector<std::size_t> left(sizes_.size());
+        std::iota(left.begin(), left.end(), std::size_t{0});
+        while (!left.empty()) {
+            const pack_trial best = best_trial(left);
+            const auto atlas = static_cast<atlas_id>(result.atlas_sizes.size());
+            result.atlas_sizes.push_back(
+                {best.width * options_.alignment, best.height * options_.alignment});
+            for (const stb::stbrp_rect& r : best.rectangles) {
+                if (!r.was_packed) continue;
+                const auto id = static_cast<std::size_t>(r.id);
+                result.rectangles[id] = {atlas, r.x * options_.alignment + options_.padding,
+                                         r.y * options_.alignment + options_.padding,
+                                         r.w != units(sizes_[id].x) || r.h != units(sizes_[id].y)};
+            }
+            std::erase_if(left,
+                          [&](std::size_t id) { return result.rectangles[id].atlas != no_id; });
+        }
+        return result;
+    }
+
+private:
+    [[nodiscard]] int units(int size) const noexcept {
+        return (size + 2 * options_.padding + options_.alignment - 1) / options_.alignment;
+    }
+    [[nodiscard]] static int ceil_power(int value) noexcept {
+        const int power = floor_power_of_two(value);
+        return power < value ? 2 * power : power;
+    }
+
+    [[nodiscard]] std::vector<stb::stbrp_rect> rectangles_of(const std::vector<std::size_t>& ids,
+                                                             turn_rule turn,
+                                                             order_rule order) const {
+        std::vector<stb::stbrp_rect> rectangles;
+        rectangles.reserve(ids.size());
+        for (const std::size_t id : ids) {
+            int w = units(sizes_[id].x);
+            int h = units(sizes_[id].y);
+            if ((turn == turn_rule::landscape && w < h) || (turn == turn_rule::portrait && w > h)) {
+                std::swap(w, h);
+            }
+            rectangles.push_back({static_cast<int>(id), w, h, 0, 0, 0});
+        }
+        const auto key = [order](const stb::stbrp_rect& r) -> std::array<std::int64_t, 2> {
+            const std::int64_t area = std::int64_t{r.w} * r.h;
+            if (order == order_rule::height) return {r.h, r.w};
+            if (order == order_rule::longer_side) return {std::max(r.w, r.h), area};
+            return {area, r.h};
+        };
+        std::stable_sort(rectangles.begin(), rectangles.end(),
+                         [&](const auto& a, const auto& b) { return key(a) > key(b); });
+        return rectangles;
+    }
+
+    [[nodiscard]] pack_trial trial(std::vector<stb::stbrp_rect> rectangles, int width) {
+        stb::stbrp_context context;
+        nodes_.resize(static_cast<std::size_t>(width));
+        stb::stbrp_init_target(&context, width, limit_, nodes_.data(), width);
+        const int count = static_cast<int>(rectangles.size());
+        pack_trial t;
+        t.holds_all = stb::stbrp_pack_rects(&context, rectangles.data(), count) != 0;
+        for (const stb::stbrp_rect& r : rectangles) {
+            if (!r.was_packed) continue;
+            t.packed_area += std::int64_t{r.w} * r.h;
+            t.width = std::max(t.width, r.x + r.w);
+            t.height = std::max(t.height, r.y + r.h);
+        }
+        if (options_.power_of_two) {
+            t.width = ceil_power(t.width);
+            t.height = ceil_power(t.height);
+        }
+        t.rectangles = std::move(rectangles);
+        return t;
+    }
+
+    /// Widths from the square root of the area upwards to twice that, and the limit.
+    [[nodiscard]] std::vector<int> widths_for(const std::vector<std::size_t>& ids) const {
+        std::int64_t area = 0;
+        int narrowest = 1;
+        for (const std::size_t id : ids) {
+            const int w = units(sizes_[id].x);
+            const int h = units(sizes_[id].y);
+            area += std::int64_t{w} * h;
+            narrowest = std::max(narrowest, options_.allows_rotation ? std::min(w, h) : w);
+        }
+        std::vector<int> widths;
+        if (options_.power_of_two) {
+            for (int w = ceil_power(narrowest); w <= limit_; w *= 2) widths.push_back(w);
+        } else {
+            const double side = std::sqrt(static_cast<double>(area));
+            for (const double share : {0.7, 1.0, 1.02, 1.05, 1.1, 1.2, 1.4, 2.0}) {
+                widths.push_back(std::clamp(static_cast<int>(std::ceil(side * share)),
+                                            std::min(narrowest, limit_), limit_));
+            }
+            widths.push_back(limit_);
+            std::sort(widths.begin(), widths.end());
+            widths.erase(std::unique(widths.begin(), widths.end()), widths.end());
+        }
+        return widths;
+    }
+
+    [[nodiscard]] pack_trial best_trial(const std::vector<std::size_t>& ids) {
+        const std::vector<int> widths = widths_for(ids);
+        pack_trial best;
+        bool is_first = true;
+        for (const turn_rule turn : {turn_rule::none, turn_rule::landscape, turn_rule::portrait}) {
+            if (turn != turn_rule::none && !options_.allows_rotation) break;
+            for (const order_rule order :
+                 {order_rule::height, order_rule::longer_side, order_rule::area}) {
+                const auto rectangles = rectangles_of(ids, turn, order);
+                for (const int width : widths) {
+                    pack_trial t = trial(rectangles, width);
+                    if (is_first || t.is_better_than(best)) best = std::move(t);
+                    is_first = false;
+                }
+            }
+        }
+        return best;
+    }
+
+    std::span<const ivec2> sizes_;
+    pack_options options_;
+    int limit_;
+    std::vector<stb::stbrp_node> nodes_{};
+};
+
+}  // namespace detail
+
+/// The longest side that a rectangle may have to fit into an atlas, pixels.
+[[nodiscard]] inline int largest_side(const pack_options& options) noexcept {
+    return detail::side_limit(options) * options.alignment - 2 * options.padding;
+}
+
+/// Places rectangles in atlases so that they keep their distance: the smallest atlas that several
+/// orders, turns and widths give; where one atlas does not hold all, the fullest first, and so on.
+///
+/// Unit   pixels.
+/// Needs  sides of at least 1 and at most largest_side(options); with power_of_two an alignment that
+///        is a power of two, too.
+/// Cost   O(n²) at worst, a few ms for a thousand rectangles. The same answer every time.
+[[nodiscard]] inline packing pack_rectangles(std::span<const ivec2> sizes,
+                                             const pack_options& options = {}) {
+    BILLOW_ASSERT(options.alignment > 0 && options.padding >= 0);
+    return detail::atlas_packer(sizes, options).run();
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/texel.hpp
+// From the samples of a texel to its bytes in the atlas.
+//
+// Luksch 2009, section 4.5: only samples that show a face are averaged, so no halo of background.
+// Fuhrmann et al. 2005, section 3.3.7: binary alpha from the covered share.
+
+#include <algorithm>
+#include <array>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The mean look of what a texel shows.
+struct texel {
+    surface_sample look{};   ///< normal in scene space, turned to the front
+    int samples = 0;         ///< that show a face
+    bool is_opaque = false;
+};
+
+/// Shares of a texel that must be covered for it to be opaque.
+struct coverage_thresholds {
+    double foliage = 0.3;  ///< materials of alpha_mode::mask and blend
+    double solid = 0.5;
+};
+
+namespace detail {
+
+/// Sums of looks, weighted by samples.
+class look_mean {
+public:
+    void add(const surface_sample& sample, float weight) noexcept {
+        sum_.base_color += sample.base_color * weight;
+        sum_.normal += sample.normal * weight;
+        sum_.occlusion += sample.occlusion * weight;
+        sum_.roughness += sample.roughness * weight;
+        sum_.metallic += sample.metallic * weight;
+        sum_.emissive += sample.emissive * weight;
+        weight_ += weight;
+    }
+    /// Needs a sample. Normals that cancel out give `front`.
+    [[nodiscard]] surface_sample mean(const vec3& front) const noexcept {
+        const float scale = 1 / weight_;
+        const float length = glm::length(sum_.normal);
+        return {.base_color = sum_.base_color * scale,
+                .normal = length > 1e-6f * weight_ ? sum_.normal / length : front,
+                .occlusion = sum_.occlusion * scale,
+                .roughness = sum_.roughness * scale,
+                .metallic = sum_.metallic * scale,
+                .emissive = sum_.emissive * scale};
+    }
+
+private:
+    surface_sample sum_{.base_color = vec3(0),
+                        .normal = vec3(0),
+                        .occlusion = 0,
+                        .roughness = 0,
+                        .metallic = 0,
+                        .emissive = vec3(0)};
+    float weight_ = 0;
+};
+
+}  // namespace detail
+
+/// The texel in column x and row y of a view's grid.
+[[nodiscard]] inline texel resolve_texel(const visibility_buffer& buffer, view_shader& shader,
+                                         const surface& look, int x, int y, int supersample,
+                                         const coverage_thresholds& thresholds,
+                                         const vec3& front) noexcept {
+    std::array<texel_part, max_supersample * max_supersample> parts;
+    const std::size_t count = parts_of_texel(buffer, x, y, supersample, parts);
+    texel result;
+    if (count == 0) return result;
+    detail::look_mean mean;
+    double threshold = 0;  // summed over the covered samples
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool is_solid = look.material_of(parts[i].face).alpha == alpha_mode::opaque;
+        mean.add(shader.at(parts[i].face, parts[i].centre), static_cast<float>(parts[i].samples));
+        threshold += parts[i].samples * (is_solid ? thresholds.solid : thresholds.foliage);
+        result.samples += parts[i].samples;
+    }
+    result.look = mean.mean(front);
+    const double share = static_cast<double>(result.samples) / (supersample * supersample);
+    result.is_opaque = share >= threshold / result.samples - 1e-9;
+    return result;
+}
+
+/// Where the texel in column x and row y of an upright tile lies in the atlas.
+[[nodiscard]] inline ivec2 texel_position(const tile& t, int x, int y) noexcept {
+    // A quarter turn clockwise takes the row from the top to the column from the right.
+    return t.is_rotated ? ivec2(t.x + t.width - 1 - y, t.y + x) : ivec2(t.x + x, t.y + y);
+}
+
+/// Writes `value` to the channels that `to` has. Alpha tells whether the texel is opaque.
+inline void write_texel(atlas& to, const tile& t, const frame& axes, int x, int y,
+                        const texel& value) noexcept {
+    const ivec2 at = texel_position(t, x, y);
+    const surface_sample& look = value.look;
+    std::uint8_t* color = to.base_color.pixel(at.x, at.y);
+    for (int c = 0; c < 3; ++c) color[c] = srgb_byte_from_linear(look.base_color[c]);
+    color[3] = value.is_opaque ? 255 : 0;
+
+    const dvec3 local = axes.to_local(dvec3(look.normal));
+    // A normal map holds nothing that points behind the surface: blue stays at 128 or above.
+    vec3 normal(t.is_rotated ? dvec3(local.y, -local.x, local.z) : local);
+    normal.z = std::max(normal.z, 0.004f);
+    normal = glm::normalize(normal);
+    std::uint8_t* n = to.normal.pixel(at.x, at.y);
+    for (int c = 0; c < 3; ++c) n[c] = byte_from_unit(normal[c] * 0.5f + 0.5f);
+
+    std::uint8_t* orm = to.occlusion_roughness_metallic.pixel(at.x, at.y);
+    orm[0] = byte_from_unit(look.occlusion);
+    orm[1] = byte_from_unit(look.roughness);
+    orm[2] = byte_from_unit(look.metallic);
+    std::uint8_t* emissive = to.emissive.pixel(at.x, at.y);
+    for (int c = 0; c < 3; ++c) emissive[c] = srgb_byte_from_linear(look.emissive[c]);
+}
 
 }  // namespace billow::inline BILLOW_ABI

@@ -36,7 +36,13 @@
 #include <billow/fit/least_squares.hpp>
 #include <billow/fit/svd.hpp>
 
+#include <billow/plants/branch_mesh.hpp>
 #include <billow/plants/grammar.hpp>
+#include <billow/plants/leaf_mesh.hpp>
+#include <billow/plants/skeleton.hpp>
+#include <billow/plants/species.hpp>
+#include <billow/plants/textures.hpp>
+#include <billow/plants/turtle.hpp>
 
 #include <billow/shapes/box.hpp>
 #include <billow/shapes/leaf_soup.hpp>
@@ -52,7 +58,17 @@
 
 #include <billow/cloud/billboard_cloud.hpp>
 #include <billow/cloud/fit_billboards.hpp>
+#include <billow/cloud/measure.hpp>
 
 #include <billow/search/face_sets.hpp>
+#include <billow/search/greedy.hpp>
+#include <billow/search/refine.hpp>
 
 #include <billow/bake/baked_cloud.hpp>
+#include <billow/bake/border.hpp>
+#include <billow/bake/draw_set.hpp>
+#include <billow/bake/pack.hpp>
+#include <billow/bake/surface.hpp>
+#include <billow/bake/texel.hpp>
+#include <billow/bake/texture_sampler.hpp>
+#include <billow/bake/visibility.hpp>

@@ -1,2 +1,0 @@
-// Compiled for another instruction set than one.cpp.
-#include "other.cpp"
