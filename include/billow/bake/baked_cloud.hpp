@@ -22,8 +22,10 @@ struct tile {
 
 /// Textures of the same size and layout. Channels that say nothing are left empty.
 struct atlas {
-    image base_color{};                    ///< RGBA, sRGB, straight alpha of 0 or 255
-    image normal{};                        ///< RGB, tangent space of the billboard
+    image base_color{};  ///< RGBA, sRGB, straight alpha of 0 or 255
+    /// RGB, tangent space of the tile: x to the right and y up in the atlas (so v and -u of a rotated
+    /// billboard), z along its normal and above 0.
+    image normal{};
     image occlusion_roughness_metallic{};  ///< RGB, linear
     image emissive{};                      ///< RGB, sRGB
 

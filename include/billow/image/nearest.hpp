@@ -26,6 +26,18 @@ struct nearest_scratch {
 
 inline constexpr std::int32_t no_pixel = -1;
 
+namespace detail {
+
+inline constexpr std::size_t nearest_chunk = 64;  ///< rows, or columns, done together
+
+}  // namespace detail
+
+/// How many envelopes nearest_pixels needs.
+[[nodiscard]] inline std::size_t nearest_scratch_size(int width, int height) noexcept {
+    const std::size_t rows = static_cast<std::size_t>(height) + detail::nearest_chunk - 1;
+    return static_cast<std::size_t>(width) * (rows / detail::nearest_chunk);
+}
+
 /// Fills `nearest[y * width + x]` with the index of the nearest pixel (y' * width + x') for which
 /// `is_seed(x', y')`; with no_pixel everywhere when there is none. Of equally near ones the choice
 /// is fixed, but no particular one.
@@ -36,12 +48,12 @@ inline constexpr std::int32_t no_pixel = -1;
 template <class IsSeed>
 void nearest_pixels(int width, int height, const IsSeed& is_seed, std::span<std::int32_t> nearest,
                     nearest_scratch& scratch, parallel threads = {1}) {
-    constexpr std::size_t chunk = 64;
+    constexpr std::size_t chunk = detail::nearest_chunk;
     const auto w = static_cast<std::size_t>(width);
     const auto h = static_cast<std::size_t>(height);
     BILLOW_ASSERT(nearest.size() == w * h);
-    const std::size_t row_chunks = (h + chunk - 1) / chunk;
-    if (scratch.envelopes.size() < w * row_chunks) scratch.envelopes.resize(w * row_chunks);
+    const std::size_t envelopes = nearest_scratch_size(width, height);
+    if (scratch.envelopes.size() < envelopes) scratch.envelopes.resize(envelopes);
 
     // First the row of the nearest seed in the same column, downwards, then upwards.
     threads.for_chunks(w, chunk, [&](std::size_t begin, std::size_t end) {
