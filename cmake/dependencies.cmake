@@ -27,7 +27,7 @@ function(billow_find list_of_missing)
     endif()
     if(NOT TARGET ${arg_TARGET})
         if(NOT arg_BREW)
-            set(arg_BREW "none, use vcpkg")
+            set(arg_BREW none)
         endif()
         list(APPEND ${list_of_missing} "${arg_PACKAGE}${arg_HEADER}\
   (apt: ${arg_APT}, brew: ${arg_BREW}, vcpkg: ${arg_VCPKG})")

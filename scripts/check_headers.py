@@ -33,13 +33,13 @@ LAYERS = [
     ["billow"],
 ]
 
-# Who alone may include what.
+# What is included, and who alone may do so.
 RESERVED = {
-    r"immintrin\.h|arm_neon\.h": "core/simd.hpp",
-    r"omp\.h": "core/parallel.hpp",
-    r"Eigen/.*": "fit/",
-    r"stb_rect_pack\.h": "bake/",
-    r"tiny_.*|stb_image.*|nlohmann/.*": "io/",
+    r"immintrin\.h|arm_neon\.h": r"core/simd\.hpp",
+    r"omp\.h": r"core/parallel\.hpp",
+    r"Eigen/.*": r"fit/.*",
+    r"stb_rect_pack\.h": r"bake/pack\.hpp",
+    r"tiny_.*|stb_image.*|nlohmann/.*": r"io/.*|io\.hpp",
 }
 
 ANY_INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
@@ -61,8 +61,8 @@ def faults_of(name, text, includes):
         return
     for other in includes:
         for pattern, home in RESERVED.items():
-            if re.fullmatch(pattern, other) and not name.startswith(home):
-                yield f"includes <{other}>, which belongs to {home}"
+            if re.fullmatch(pattern, other) and not re.fullmatch(home, name):
+                yield f"includes <{other}>, which belongs to {home} alone"
         if not other.startswith("billow/"):
             continue
         other = other.removeprefix("billow/")

@@ -2646,7 +2646,7 @@ struct drawn_leaf {
     const double along = glm::dot(offset, leaf.axis);
     const double across = leaf.axis.x * offset.y - leaf.axis.y * offset.x;
     const double side = std::abs(across);
-    if (along < 0 || along > 1) return false;
+    if (along < 0 || along > 1 || side > 0.6 / options.slenderness) return false;
     const double stalk = 0.12;
     const double t = (along - stalk) / (1 - stalk);  // 0 at the blade's foot, 1 at its tip
     const double teeth = 1 + 0.06 * (std::abs(std::fmod(along * 14, 1.0) - 0.5) - 0.25);
@@ -2767,10 +2767,13 @@ namespace detail {
     return vector * c + glm::cross(axis, vector) * s + axis * (glm::dot(axis, vector) * (1 - c));
 }
 
+/// The frame is made orthonormal again: rotating about axes of a length that is not quite 1, one
+/// after the other, triples the error every time.
 [[nodiscard]] inline frame rotated(const frame& f, const dvec3& axis, double angle) noexcept {
-    return {.u = rotated(f.u, axis, angle),
-            .v = rotated(f.v, axis, angle),
-            .normal = rotated(f.normal, axis, angle)};
+    const dvec3 normal = glm::normalize(rotated(f.normal, axis, angle));
+    const dvec3 u = rotated(f.u, axis, angle);
+    const dvec3 left = glm::normalize(u - normal * glm::dot(normal, u));
+    return {.u = left, .v = glm::cross(normal, left), .normal = normal};
 }
 
 /// The decimal number `text`, whatever the locale. Anything else is NaN.
@@ -2984,7 +2987,7 @@ struct species {
     leaf_image_options foliage{};
 };
 
-/// A broadleaf tree of 8 m and, seed by seed, 17,000 to 21,000 faces: a stem that carries on to the
+/// A broadleaf tree of 8 m and, seed by seed, 15,000 to 23,000 faces: a stem that carries on to the
 /// top (A) with limbs at the golden angle, which branch (B) to both sides and rise to the light. A
 /// twig keeps its leaves for three generations (L, K, J).
 [[nodiscard]] inline species broadleaf() {
@@ -3015,7 +3018,7 @@ struct species {
             .rules = forest_paper_grammar(spelling),
             .generations = 5,
             .turtle = {.angle_deg = 28, .angle_jitter = 0.25, .length_jitter = 0.25},
-            .leaves = {.per_site = 1}};
+            .leaves = {.per_site = 1, .length = 0.7}};
 }
 
 namespace detail {
@@ -3038,7 +3041,7 @@ namespace detail {
 }  // namespace detail
 
 /// The species with as many generations and leaves as make a plant of `face_count` faces: at most
-/// half of them bark, the others leaves, whose size keeps the crown as dense as it was.
+/// 60 % of them bark, the others leaves, whose size keeps the crown as dense as it was.
 ///
 /// Gives   a species that grows `face_count` faces, or one less, from this `seed`.
 /// Fails   as grow; invalid_options when `face_count` is too small for the species' stem.
@@ -3056,7 +3059,7 @@ namespace detail {
         mesh bark;
         add_branches(bark, *bones, kind.branches);
         const bool is_first = sites == 0;
-        if (bark.face_count() > (is_first ? face_count : face_count / 2)) break;
+        if (bark.face_count() > (is_first ? face_count : face_count * 3 / 5)) break;
         if (!is_first && bark.face_count() <= bark_faces) break;  // a grammar that does not grow
         best = generation;
         bark_faces = bark.face_count();
@@ -4735,6 +4738,16 @@ template <plane_space Space = cube_map, class Policies = density_policies<>,
 
 }  // namespace billow::inline BILLOW_ABI
 
+// ---- billow/bake/bake_cloud.hpp
+// Textures for a billboard cloud: from a mesh and its billboards to atlases.
+//
+// Luksch, "Implementation of an Improved Billboard Cloud Algorithm", 2009, section 4.5.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 // ---- billow/bake/baked_cloud.hpp
 // What the baker makes of a billboard cloud: atlases, and where each billboard's tile lies.
 
@@ -4757,7 +4770,7 @@ struct tile {
 
 /// Textures of the same size and layout. Channels that say nothing are left empty.
 struct atlas {
-    image base_color{};                    ///< RGBA, sRGB, straight alpha of 0 or 255
+    image base_color{};  ///< RGBA, sRGB, straight alpha of 0 or 255
     /// RGB, tangent space of the tile: x to the right and y up in the atlas (so v and -u of a rotated
     /// billboard), z along its normal and above 0.
     image normal{};
@@ -4810,8 +4823,8 @@ struct pixel_rectangle {
 
 /// All channels of a pixel but alpha.
 inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
-    for (image* channel : {&in.base_color, &in.normal, &in.occlusion_roughness_metallic,
-                           &in.emissive}) {
+    for (image* channel :
+         {&in.base_color, &in.normal, &in.occlusion_roughness_metallic, &in.emissive}) {
         if (channel->empty()) continue;
         const std::uint8_t* source = channel->pixel(from.x, from.y);
         std::copy(source, source + 3, channel->pixel(to.x, to.y));
@@ -4824,9 +4837,9 @@ struct border_scratch {
 };
 
 inline void fill_tile_border(atlas& in, const pixel_rectangle& area, border_scratch& scratch) {
-    const std::span nearest = std::span(scratch.nearest)
-                                  .first(static_cast<std::size_t>(area.width) *
-                                         static_cast<std::size_t>(area.height));
+    const std::span nearest =
+        std::span(scratch.nearest)
+            .first(static_cast<std::size_t>(area.width) * static_cast<std::size_t>(area.height));
     const auto is_opaque = [&](int x, int y) {
         return in.base_color.pixel(area.x + x, area.y + y)[3] != 0;
     };
@@ -4896,8 +4909,9 @@ inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {})
             if (t.atlas != id) continue;
             const auto area = detail::padded(t, in, padding);
             for (int y = area.y; y < area.y + area.height; ++y) {
-                std::fill_n(is_filled.begin() + static_cast<std::ptrdiff_t>(y) * in.width() + area.x,
-                            area.width, char{1});
+                std::fill_n(
+                    is_filled.begin() + static_cast<std::ptrdiff_t>(y) * in.width() + area.x,
+                    area.width, char{1});
             }
         }
         detail::fill_between_tiles(in, is_filled, threads);
@@ -4915,6 +4929,8 @@ inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {})
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -5074,7 +5090,7 @@ struct face_cover {
         share,   ///< where alpha ≥ a threshold that differs from sample to sample
     };
     rule decides = rule::always;
-    float factor = 1;             ///< multiplies the alpha of texture and vertices
+    float factor = 1;  ///< multiplies the alpha of texture and vertices
     float cutoff = 0;
     const image* alpha = nullptr;  ///< none: 1 everywhere
     const texture* map = nullptr;
@@ -5102,7 +5118,8 @@ struct bound_material {
     bound_texture normal{};
     bound_texture occlusion{};
     bound_texture emissive{};
-    std::vector<image> cover{};  ///< alpha; of alpha_mode::mask from level 1 on the share that passes
+    std::vector<image>
+        cover{};  ///< alpha; of alpha_mode::mask from level 1 on the share that passes
 };
 
 struct image_chain {
@@ -5164,8 +5181,7 @@ public:
         for (std::size_t row = 0; row < is_used.size(); ++row) {
             static const mesh no_materials;
             const bool is_plain = row + 1 == is_used.size();
-            materials_[row].look =
-                is_plain ? &no_materials.material_of(0) : &source.materials[row];
+            materials_[row].look = is_plain ? &no_materials.material_of(0) : &source.materials[row];
             if (is_used[row] != 0) bind(materials_[row]);
         }
         for (const vec4& color : source.colors) has_vertex_alpha_ |= color.w < 1;
@@ -5184,8 +5200,8 @@ public:
         const material& look = *bound.look;
         face_cover cover;
         if (look.alpha == alpha_mode::opaque) return cover;
-        cover.decides = look.alpha == alpha_mode::mask ? face_cover::rule::cutoff
-                                                       : face_cover::rule::share;
+        cover.decides =
+            look.alpha == alpha_mode::mask ? face_cover::rule::cutoff : face_cover::rule::share;
         cover.factor = look.base_color.w;
         cover.cutoff = look.alpha_cutoff;
         const uvec3 corners = mesh_.triangles[face];
@@ -5264,8 +5280,7 @@ public:
         if (bound.emissive) sample.emissive *= vec3(sampled(bound.emissive, look.levels[4]));
         sample.normal = look.flat_normal;
         if (!mesh_.normals.empty()) {
-            sample.normal =
-                normalized_or(mixed(mesh_.normals, corners, weights), look.flat_normal);
+            sample.normal = normalized_or(mixed(mesh_.normals, corners, weights), look.flat_normal);
         }
         if (bound.normal) {
             const vec4 value = sampled(bound.normal, look.levels[2]);
@@ -5349,16 +5364,16 @@ private:
         for (const auto& chain : chains_) {
             if (chain->image == t.image && chain->kind == kind) return {&t, &chain->levels, kind};
         }
-        chains_.push_back(std::make_unique<detail::image_chain>(detail::image_chain{
-            t.image, kind, make_mip_chain(mesh_.images[t.image], kind)}));
+        chains_.push_back(std::make_unique<detail::image_chain>(
+            detail::image_chain{t.image, kind, make_mip_chain(mesh_.images[t.image], kind)}));
         return {&t, &chains_.back()->levels, kind};
     }
 
     void bind(detail::bound_material& to) {
         const material& look = *to.look;
         const bool is_opaque = look.alpha == alpha_mode::opaque;
-        to.base_color = bound(look.base_color_texture,
-                              is_opaque ? texel_kind::srgb : texel_kind::srgb_alpha);
+        to.base_color =
+            bound(look.base_color_texture, is_opaque ? texel_kind::srgb : texel_kind::srgb_alpha);
         to.normal = bound(look.normal_texture, texel_kind::linear);
         to.metallic_roughness = bound(look.metallic_roughness_texture, texel_kind::linear);
         to.occlusion = bound(look.occlusion_texture, texel_kind::linear);
@@ -5383,7 +5398,7 @@ private:
     if (glm::dot(sample.normal, toward) >= 0) return sample.normal;
     const bool is_seen_from_behind = glm::dot(look.flat_normal, toward) < 0;
     return is_seen_from_behind || look.material->look->is_double_sided ? -sample.normal
-                                                                      : sample.normal;
+                                                                       : sample.normal;
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -5426,7 +5441,7 @@ public:
         const std::uint32_t count = side_ * side_;
         for (std::uint32_t i = 0; i < count; ++i) {
             std::uint32_t rank = 0;
-            for (std::uint32_t k = 0; k < count; ++k) rank += bayer_of(k) < bayer_of(i) ? 1 : 0;
+            for (std::uint32_t k = 0; k < count; ++k) rank += bayer_of(k) < bayer_of(i) ? 1u : 0u;
             rank_[i] = static_cast<std::uint8_t>(rank);
         }
     }
@@ -5435,8 +5450,8 @@ public:
     /// of two half-transparent leaves one above the other, the lower must show through.
     [[nodiscard]] float threshold(int x, int y, std::uint32_t shift) const noexcept {
         const std::uint32_t count = side_ * side_;
-        const std::uint32_t cell = static_cast<std::uint32_t>(y) % side_ * side_ +
-                                   static_cast<std::uint32_t>(x) % side_;
+        const std::uint32_t cell =
+            static_cast<std::uint32_t>(y) % side_ * side_ + static_cast<std::uint32_t>(x) % side_;
         return (static_cast<float>((rank_[cell] + shift) % count) + 0.5f) /
                static_cast<float>(count);
     }
@@ -5529,7 +5544,7 @@ private:
     /// Depth over a face, kept within the depths of its corners: slivers must not shoot out.
     struct fragment_depth {
         affine_value plane{};
-        double low = 0;   ///< of the corners
+        double low = 0;  ///< of the corners
         double high = 0;
         depth_range kept{};
         bool is_clipped = false;
@@ -5675,10 +5690,30 @@ struct drawn_face {
 /// What is drawn, and where, on one billboard.
 struct draw_target {
     orthographic_view view{};
-    int columns = 0;   ///< in samples
-    int rows = 0;      ///< in samples
-    int band_rows = 1;  ///< samples rows a band
+    int columns = 0;    ///< in samples
+    int rows = 0;       ///< in samples
+    int band_rows = 1;  ///< sample rows a band
 };
+
+/// Whether a face with these corners reaches into the grid of `target`, and into which bands.
+[[nodiscard]] inline std::optional<drawn_face> clipped_to(
+    const draw_target& target, face_id face, const std::array<dvec3, 3>& corners) noexcept {
+    dvec2 low{std::numeric_limits<double>::infinity()};
+    dvec2 high = -low;
+    for (const dvec3& corner : corners) {
+        const dvec2 p(target.view.project(corner));
+        low = glm::min(low, p - 1.0);  // a sample more each way, as corners may be rounded
+        high = glm::max(high, p + 1.0);
+    }
+    if (!(high.x >= 0 && low.x <= target.columns && high.y >= 0 && low.y <= target.rows)) {
+        return std::nullopt;
+    }
+    const auto band_of = [&](double y) {
+        const int row = static_cast<int>(std::clamp(y, 0.0, target.rows - 1.0));
+        return static_cast<std::uint16_t>(row / target.band_rows);
+    };
+    return drawn_face{face, band_of(low.y), band_of(high.y)};
+}
 
 /// The faces of each billboard, in ascending order.
 class draw_sets {
@@ -5715,11 +5750,6 @@ public:
 private:
     static constexpr std::size_t block_size = 64;
 
-    struct block {
-        dvec3 centre{0};
-        double radius = 0;
-    };
-
     /// A sphere around every block of rows, relative to faces_.bounds.centre.
     void bound_blocks() {
         for (std::size_t row = 0; row < faces_.size; row += block_size) {
@@ -5729,9 +5759,7 @@ private:
             for (std::size_t i = row; i < end; ++i) {
                 for (const columns3& corner : faces_.corner) points[count++] = corner.get(i);
             }
-            const bounding_sphere sphere =
-                bounding_sphere_of(std::span(points).first(count));
-            blocks_.push_back({sphere.centre, sphere.radius});
+            blocks_.push_back(bounding_sphere_of(count, [&](std::size_t i) { return points[i]; }));
         }
     }
 
@@ -5751,7 +5779,8 @@ private:
         const V epsilon = lanes::fill(static_cast<float>(cloud_.epsilon));
         const V least_cosine = lanes::fill(static_cast<float>(least_cosine_));
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
-            if (std::abs(glm::dot(of.normal, blocks_[b].centre) - rho) > reach + blocks_[b].radius) {
+            if (std::abs(glm::dot(of.normal, blocks_[b].centre) - rho) >
+                reach + blocks_[b].radius) {
                 continue;
             }
             const std::size_t begin = b * block_size;
@@ -5770,39 +5799,21 @@ private:
             for (std::size_t row = begin; row < end; ++row) {
                 const face_id face = faces_.source[row];
                 if (is_valid[row - begin] != 0 || cloud_.plane_of_face[face] == id) {
-                    visit_overlapping(row, targets_[id], visit);
+                    std::array<dvec3, 3> corners;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        corners[k] = faces_.corner[k].get(row) + faces_.bounds.centre;
+                    }
+                    if (const auto drawn = clipped_to(targets_[id], face, corners)) visit(*drawn);
                 }
             }
         }
-    }
-
-    template <class Visit>
-    void visit_overlapping(std::size_t row, const draw_target& target,
-                           const Visit& visit) const noexcept {
-        dvec2 low{std::numeric_limits<double>::infinity()};
-        dvec2 high = -low;
-        for (const columns3& corner : faces_.corner) {
-            const dvec2 p(target.view.project(corner.get(row) + faces_.bounds.centre));
-            low = glm::min(low, p);
-            high = glm::max(high, p);
-        }
-        if (high.x < 0 || low.x > target.columns || high.y < 0 || low.y > target.rows) return;
-        const int last = (target.rows - 1) / target.band_rows;
-        // One sample more each way: corners of the table are rounded.
-        const auto band_of = [&](double y) {
-            return static_cast<std::uint16_t>(
-                std::clamp(static_cast<int>(std::clamp(y, 0.0, 1.0 * target.rows)) /
-                               target.band_rows,
-                           0, last));
-        };
-        visit(drawn_face{faces_.source[row], band_of(low.y - 1), band_of(high.y + 1)});
     }
 
     const face_table& faces_;
     const billboard_cloud& cloud_;
     std::span<const draw_target> targets_;
     double least_cosine_;
-    std::vector<block> blocks_{};
+    std::vector<bounding_sphere> blocks_{};
     std::vector<std::size_t> begin_{};
     std::vector<drawn_face> drawn_{};
 };
@@ -6111,8 +6122,8 @@ namespace billow::inline BILLOW_ABI {
 
 /// The mean look of what a texel shows.
 struct texel {
-    surface_sample look{};   ///< normal in scene space, turned to the front
-    int samples = 0;         ///< that show a face
+    surface_sample look{};  ///< normal in scene space, turned to the front
+    int samples = 0;        ///< that show a face
     bool is_opaque = false;
 };
 
@@ -6212,6 +6223,517 @@ inline void write_texel(atlas& to, const tile& t, const frame& axes, int x, int 
     orm[2] = byte_from_unit(look.metallic);
     std::uint8_t* emissive = to.emissive.pixel(at.x, at.y);
     for (int c = 0; c < 3; ++c) emissive[c] = srgb_byte_from_linear(look.emissive[c]);
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+struct bake_options {
+    int texels = 512;           ///< texels along the diameter of the bounding sphere
+    int max_atlas = 4096;       ///< longest side of an atlas, texels
+    int supersample = 4;        ///< samples a texel side, 1 to 8; time grows with its square
+    int padding = 8;            ///< texels around each tile; p keeps log2(p) mip levels clean
+    bool power_of_two = false;  ///< sides of atlases are powers of two; costs area
+    double max_extra_angle = 75 * std::numbers::pi / 180;  ///< radians between a plane and other
+                                                           ///< valid faces drawn on it; 0: none
+    coverage_thresholds thresholds{};
+};
+
+/// Enlarges every billboard about its centre to whole texels, at least one each way. Its texel
+/// counts are then width / texel_size and height / texel_size, but for rounding.
+inline void snap_to_texels(billboard_cloud& cloud, double texel_size) {
+    for (billboard& b : cloud.billboards) {
+        const auto whole = [texel_size](double extent) {
+            return std::max(1.0, std::ceil(extent / texel_size - 1e-6)) * texel_size;
+        };
+        const double width = whole(b.width);
+        const double height = whole(b.height);
+        b.origin -= b.axes.u * ((width - b.width) * 0.5) + b.axes.v * ((height - b.height) * 0.5);
+        b.width = width;
+        b.height = height;
+    }
+}
+
+namespace detail {
+
+/// One call of bake_cloud; its methods are the steps in their order.
+class cloud_baker {
+public:
+    cloud_baker(const mesh& source, billboard_cloud& cloud, const face_table& faces,
+                const bake_options& options, parallel threads, const progress_function& progress)
+        : cloud_(cloud),
+          faces_(faces),
+          options_(options),
+          threads_(threads),
+          progress_(progress),
+          look_(source) {}
+
+    [[nodiscard]] baked_cloud run() {
+        choose_texel_size();
+        snap_to_texels(cloud_, baked_.texel_size);
+        place_tiles();
+        draw_tiles();
+        report(progress_, "bake", 0.9);
+        ensure_every_tile_shows();
+        drop_silent_channels();
+        fill_borders(baked_, options_.padding, threads_);
+        report(progress_, "bake", 1);
+        return std::move(baked_);
+    }
+
+private:
+    static constexpr int band_height = 16;  ///< texel rows drawn at a time: bounds the memory
+
+    struct job {
+        plane_id plane = 0;
+        int band = 0;
+    };
+    /// What a job found, to decide over the whole tile.
+    struct job_result {
+        bool has_opaque = false;
+        int most_samples = 0;
+        ivec2 best{0};  ///< the texel with most samples, of a tile without opaque ones
+    };
+    struct job_scratch {
+        visibility_buffer buffer;
+        view_shader shader;
+    };
+
+    [[nodiscard]] pack_options packing_options() const noexcept {
+        return {.max_size = options_.max_atlas,
+                .padding = options_.padding,
+                .power_of_two = options_.power_of_two};
+    }
+
+    /// Luksch 2009, eq 4.1: the same object size for every texel. Where a billboard would not fit
+    /// into an atlas, all become coarser.
+    void choose_texel_size() {
+        double largest = 0;
+        for (const billboard& b : cloud_.billboards) {
+            largest = std::max({largest, b.width, b.height});
+        }
+        const double wanted = 2 * cloud_.bounds.radius / options_.texels;
+        baked_.texel_size = std::max(wanted, largest / largest_side(packing_options()));
+        if (!(baked_.texel_size > 0)) baked_.texel_size = 1;  // a single point has no size
+    }
+
+    [[nodiscard]] ivec2 upright_size(const billboard& b) const noexcept {
+        return {static_cast<int>(std::lround(b.width / baked_.texel_size)),
+                static_cast<int>(std::lround(b.height / baked_.texel_size))};
+    }
+
+    void place_tiles() {
+        std::vector<ivec2> sizes;
+        for (const billboard& b : cloud_.billboards) sizes.push_back(upright_size(b));
+        const packing places = pack_rectangles(sizes, packing_options());
+        double tile_area = 0;
+        double atlas_area = 0;
+        for (const ivec2& size : places.atlas_sizes) {
+            baked_.atlases.push_back(
+                {image::filled(size.x, size.y, 4, 0), image::filled(size.x, size.y, 3, 0),
+                 image::filled(size.x, size.y, 3, 0), image::filled(size.x, size.y, 3, 0)});
+            atlas_area += static_cast<double>(size.x) * size.y;
+        }
+        for (std::size_t i = 0; i < sizes.size(); ++i) {
+            const packed_rectangle& r = places.rectangles[i];
+            const ivec2 size = r.is_rotated ? ivec2(sizes[i].y, sizes[i].x) : sizes[i];
+            baked_.tiles.push_back({r.atlas, r.x, r.y, size.x, size.y, r.is_rotated});
+            tile_area += static_cast<double>(size.x) * size.y;
+        }
+        baked_.fill = atlas_area > 0 ? tile_area / atlas_area : 0;
+    }
+
+    void draw_tiles() {
+        const int s = options_.supersample;
+        std::size_t widest = 0;
+        for (plane_id id = 0; id < cloud_.billboards.size(); ++id) {
+            const billboard& b = cloud_.billboards[id];
+            const ivec2 size = upright_size(b);
+            const orthographic_view view{b.axes, b.origin + b.axes.v * b.height,
+                                         baked_.texel_size / s};
+            targets_.push_back({view, size.x * s, size.y * s, band_height * s});
+            widest = std::max(widest, static_cast<std::size_t>(size.x * s));
+            for (int band = 0; band * band_height < size.y; ++band) jobs_.push_back({id, band});
+        }
+        results_.resize(jobs_.size());
+        const double least_cosine =
+            options_.max_extra_angle > 0 ? std::cos(options_.max_extra_angle) : 2;
+        const draw_sets sets(faces_, cloud_, targets_, least_cosine, threads_);
+        report(progress_, "bake", 0.05);
+
+        std::vector<job_scratch> scratches(
+            threads_.count(), job_scratch{visibility_buffer(s), view_shader(look_, s)});
+        for (job_scratch& scratch : scratches) {
+            scratch.buffer.reserve(widest * static_cast<std::size_t>(band_height * s));
+        }
+        // Progress is told by the calling thread, so between slices of the jobs.
+        const std::size_t slices = progress_ ? 16 : 1;
+        for (std::size_t i = 0; i < slices; ++i) {
+            const std::size_t begin = jobs_.size() * i / slices;
+            const std::size_t end = jobs_.size() * (i + 1) / slices;
+            for_jobs(threads_, end - begin, scratches, [&](std::size_t k, auto& scratch) {
+                const job& j = jobs_[begin + k];
+                results_[begin + k] = draw_band(j, sets[j.plane], scratch);
+            });
+            report(progress_, "bake",
+                   0.05 + 0.85 * static_cast<double>(end) / static_cast<double>(jobs_.size()));
+        }
+    }
+
+    [[nodiscard]] job_result draw_band(const job& j, std::span<const drawn_face> faces,
+                                       job_scratch& scratch) noexcept {
+        const int s = options_.supersample;
+        const draw_target& target = targets_[j.plane];
+        const billboard& board = cloud_.billboards[j.plane];
+        const int first = j.band * band_height;
+        const int last = std::min(first + band_height, target.rows / s);
+        scratch.buffer.start({0, first * s, target.columns, last * s});
+        const double slack = 1e-5 * std::max(cloud_.bounds.radius, baked_.texel_size);
+        const depth_range range{board.depth_low - slack, board.depth_high + slack};
+        for (const drawn_face& f : faces) {
+            if (f.first_band <= j.band && j.band <= f.last_band) {
+                scratch.buffer.draw(look_, target.view, f.face, range);
+            }
+        }
+        scratch.shader.start(target.view);
+        const tile& t = baked_.tiles[j.plane];
+        job_result result;
+        for (int y = first; y < last; ++y) {
+            for (int x = 0; x < target.columns / s; ++x) {
+                const texel value = resolve_texel(scratch.buffer, scratch.shader, look_, x, y, s,
+                                                  options_.thresholds, vec3(board.axes.normal));
+                if (value.samples == 0) continue;
+                write_texel(baked_.atlases[t.atlas], t, board.axes, x, y, value);
+                result.has_opaque |= value.is_opaque;
+                if (value.samples > result.most_samples) {
+                    result.most_samples = value.samples;
+                    result.best = {x, y};
+                }
+            }
+        }
+        return result;
+    }
+
+    /// A tile without any opaque texel keeps its best covered one; one whose faces slip between all
+    /// samples shows the centre of its largest face.
+    void ensure_every_tile_shows() {
+        std::vector<job_result> of_plane(cloud_.billboards.size());
+        for (std::size_t i = 0; i < jobs_.size(); ++i) {
+            job_result& total = of_plane[jobs_[i].plane];
+            total.has_opaque |= results_[i].has_opaque;
+            if (results_[i].most_samples > total.most_samples) {
+                total.most_samples = results_[i].most_samples;
+                total.best = results_[i].best;
+            }
+        }
+        std::vector<std::size_t> largest_row(of_plane.size(), no_id);
+        for (std::size_t row = 0; row < faces_.size; ++row) {
+            const plane_id plane = cloud_.plane_of_face[faces_.source[row]];
+            if (plane == no_id) continue;
+            std::size_t& largest = largest_row[plane];
+            if (largest == no_id || faces_.area[row] > faces_.area[largest]) largest = row;
+        }
+        for (plane_id id = 0; id < of_plane.size(); ++id) {
+            if (of_plane[id].has_opaque) continue;
+            const tile& t = baked_.tiles[id];
+            if (of_plane[id].most_samples > 0) {
+                const ivec2 at = texel_position(t, of_plane[id].best.x, of_plane[id].best.y);
+                baked_.atlases[t.atlas].base_color.pixel(at.x, at.y)[3] = 255;
+            } else if (largest_row[id] != no_id) {
+                draw_centre(id, largest_row[id]);
+            }
+        }
+    }
+
+    void draw_centre(plane_id id, std::size_t row) {
+        const int s = options_.supersample;
+        const draw_target& target = targets_[id];
+        const billboard& board = cloud_.billboards[id];
+        const dvec2 centre(target.view.project(faces_.centroid(row) + faces_.bounds.centre));
+        view_shader shader(look_, s);
+        shader.start(target.view);
+        const texel value{shader.at(faces_.source[row], centre), 1, true};
+        const int x = std::clamp(static_cast<int>(centre.x) / s, 0, target.columns / s - 1);
+        const int y = std::clamp(static_cast<int>(centre.y) / s, 0, target.rows / s - 1);
+        const tile& t = baked_.tiles[id];
+        write_texel(baked_.atlases[t.atlas], t, board.axes, x, y, value);
+    }
+
+    /// Empties channels that hold what a reader would assume without them.
+    void drop_silent_channels() {
+        drop_if_all(&atlas::normal, {127, 127, 254}, {129, 129, 255});
+        drop_if_all(&atlas::occlusion_roughness_metallic, {255, 255, 0}, {255, 255, 0});
+        drop_if_all(&atlas::emissive, {0, 0, 0}, {0, 0, 0});
+    }
+
+    void drop_if_all(image atlas::*channel, const std::array<int, 3>& low,
+                     const std::array<int, 3>& high) {
+        for (const atlas& a : baked_.atlases) {
+            const image& values = a.*channel;
+            for (std::size_t i = 0; i < a.base_color.bytes.size() / 4; ++i) {
+                if (a.base_color.bytes[4 * i + 3] == 0) continue;
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const int value = values.bytes[3 * i + c];
+                    if (value < low[c] || value > high[c]) return;
+                }
+            }
+        }
+        for (atlas& a : baked_.atlases) a.*channel = {};
+    }
+
+    billboard_cloud& cloud_;
+    const face_table& faces_;
+    const bake_options& options_;
+    parallel threads_;
+    const progress_function& progress_;
+    surface look_;
+    baked_cloud baked_{};
+    std::vector<draw_target> targets_{};
+    std::vector<job> jobs_{};
+    std::vector<job_result> results_{};
+};
+
+}  // namespace detail
+
+/// Draws the textures of a cloud's billboards and packs them into atlases. Each billboard shows its
+/// mapped faces and all others that are valid for its plane, seen from its front, within the depth
+/// of the mapped ones.
+///
+/// Needs  `faces` is the table of `source`; billboards as fit_billboards gives them.
+/// Gives  tiles and atlases; `cloud.billboards` are enlarged to whole texels, so that every texel
+///        covers a square of baked_cloud::texel_size. That is the diameter of the bounding sphere
+///        over options.texels, or more where a tile would not fit into an atlas.
+/// Cost   O(samples × faces that overlap), parallel over bands of tiles; 13 bytes a texel, and for
+///        each thread 8 bytes a sample of a band.
+/// Source Luksch 2009, section 4.5. Differs: faces that are merely valid are drawn, too, and the
+///        border is filled over the whole transparent area.
+[[nodiscard]] inline baked_cloud bake_cloud(const mesh& source, const face_table& faces,
+                                            billboard_cloud& cloud,
+                                            const bake_options& options = {}, parallel threads = {},
+                                            const progress_function& progress = {}) {
+    BILLOW_ASSERT(cloud.billboards.size() == cloud.plane_count());
+    BILLOW_ASSERT(cloud.plane_of_face.size() == source.face_count());
+    BILLOW_ASSERT(options.texels > 0 && options.padding >= 0);
+    BILLOW_ASSERT(options.supersample >= 1 && options.supersample <= max_supersample);
+    BILLOW_ASSERT(options.max_atlas > 2 * options.padding + 4);
+    return detail::cloud_baker(source, cloud, faces, options, threads, progress).run();
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/cloud_mesh.hpp
+// A baked cloud as a mesh: two triangles a billboard, one material an atlas.
+
+#include <array>
+#include <string>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+[[nodiscard]] inline texture atlas_texture(mesh& owner, const image& picture) {
+    if (picture.empty()) return {};
+    owner.images.push_back(picture);
+    return {.image = static_cast<image_id>(owner.images.size() - 1),
+            .wrap_u = texture_wrap::clamp_to_edge,
+            .wrap_v = texture_wrap::clamp_to_edge};
+}
+
+inline void add_atlas_material(mesh& to, const atlas& from) {
+    material m;
+    m.name = "atlas_" + std::to_string(to.materials.size());
+    m.base_color_texture = atlas_texture(to, from.base_color);
+    m.normal_texture = atlas_texture(to, from.normal);
+    m.metallic_roughness_texture = atlas_texture(to, from.occlusion_roughness_metallic);
+    m.occlusion_texture = m.metallic_roughness_texture;
+    m.metallic = m.metallic_roughness_texture.is_present() ? 1.0f : 0.0f;
+    m.emissive_texture = atlas_texture(to, from.emissive);
+    if (m.emissive_texture.is_present()) m.emissive = vec3(1);
+    m.alpha = alpha_mode::mask;
+    m.alpha_cutoff = 0.5f;
+    m.is_double_sided = true;
+    to.materials.push_back(std::move(m));
+}
+
+}  // namespace detail
+
+/// The texture coordinate, from the top left of the atlas, of the point (s, t) of a billboard.
+[[nodiscard]] inline dvec2 atlas_uv(const tile& t, const atlas& in, const dvec2& st) noexcept {
+    // Upright, t runs up. Turned clockwise, s runs down and t to the right.
+    const dvec2 inside = t.is_rotated ? dvec2(st.y, st.x) : dvec2(st.x, 1 - st.y);
+    return {(t.x + inside.x * t.width) / in.width(), (t.y + inside.y * t.height) / in.height()};
+}
+
+/// The cloud as textured quads where the original mesh is: vertices 4i to 4i + 3 are the corners
+/// (0,0), (1,0), (1,1), (0,1) of billboard i, counter-clockwise from its front; faces 2i and 2i + 1
+/// its triangles. Tangents run along the atlas's u axis, w = 1: seen from the front no tile is
+/// mirrored. Feature ids are plane ids.
+///
+/// Needs  tiles of `cloud`.
+/// Gives  materials of alpha_mode::mask, double sided, one an atlas, with their images.
+[[nodiscard]] inline mesh cloud_mesh(const billboard_cloud& cloud, const baked_cloud& baked) {
+    BILLOW_ASSERT(baked.tiles.size() == cloud.billboards.size());
+    mesh result;
+    for (const atlas& a : baked.atlases) detail::add_atlas_material(result, a);
+    for (std::size_t i = 0; i < cloud.billboards.size(); ++i) {
+        const billboard& b = cloud.billboards[i];
+        const tile& t = baked.tiles[i];
+        const auto first = static_cast<std::uint32_t>(result.positions.size());
+        for (const dvec2& st : {dvec2(0, 0), dvec2(1, 0), dvec2(1, 1), dvec2(0, 1)}) {
+            result.positions.push_back(
+                vec3(b.origin + b.axes.u * (st.x * b.width) + b.axes.v * (st.y * b.height)));
+            result.normals.push_back(vec3(b.axes.normal));
+            result.tangents.push_back(vec4(vec3(t.is_rotated ? b.axes.v : b.axes.u), 1));
+            result.uv_sets[0].push_back(vec2(atlas_uv(t, baked.atlases[t.atlas], st)));
+            result.feature_ids.push_back(static_cast<std::uint32_t>(i));
+        }
+        result.triangles.push_back({first, first + 1, first + 2});
+        result.triangles.push_back({first, first + 2, first + 3});
+        result.face_materials.insert(result.face_materials.end(), 2, t.atlas);
+    }
+    return result;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/metrics/picture.hpp
+// A picture of a mesh, drawn by the rasteriser and the shading that the baker uses: to look at, and to
+// measure how close a cloud comes to its original.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// An orthographic camera.
+struct picture_view {
+    frame axes{};       ///< u to the right, v up in the picture, the normal to the viewer
+    dvec3 centre{0};    ///< the scene point in the middle of the picture
+    double height = 2;  ///< scene units from the lower to the upper edge
+    int width_px = 512;
+    int height_px = 512;
+};
+
+/// A view of a whole sphere from the direction `from` (any length), +Y up.
+[[nodiscard]] inline picture_view view_of(const bounding_sphere& sphere, const dvec3& from,
+                                          int width_px = 512, int height_px = 512) {
+    const dvec3 normal = glm::normalize(from);
+    const bool is_vertical = std::abs(normal.y) > 0.999;
+    const dvec3 up = is_vertical ? dvec3(0, 0, normal.y > 0 ? -1 : 1) : dvec3(0, 1, 0);
+    const dvec3 u = glm::normalize(glm::cross(up, normal));
+    const double shorter = std::min(1.0, static_cast<double>(width_px) / height_px);
+    const double height = 2.04 * (sphere.radius > 0 ? sphere.radius : 1.0) / shorter;
+    return {{u, glm::cross(normal, u), normal}, sphere.centre, height, width_px, height_px};
+}
+
+struct picture_options {
+    int supersample = 4;                  ///< samples a pixel side, 1 to 8
+    vec3 background{0.85f, 0.87f, 0.9f};  ///< linear light
+    float headlight = 0.7f;               ///< light from the viewer's place
+    float sky = 0.35f;                    ///< light from above, and half of it from below
+};
+
+namespace detail {
+
+[[nodiscard]] inline vec3 lit(const surface_sample& sample, const vec3& toward_viewer,
+                              const picture_options& options) noexcept {
+    const float facing = std::max(0.0f, glm::dot(sample.normal, toward_viewer));
+    const float sky = options.sky * sample.occlusion * (0.75f + 0.25f * sample.normal.y);
+    return sample.base_color * (options.headlight * facing + sky) + sample.emissive;
+}
+
+struct picture_scratch {
+    visibility_buffer buffer;
+    view_shader shader;
+};
+
+}  // namespace detail
+
+/// Draws `source` with a light at the viewer and one from the sky. Alpha is tested, all faces are
+/// seen from both sides.
+///
+/// Needs  indices within bounds, finite positions.
+/// Gives  RGB, sRGB, options.background where nothing is.
+/// Cost   O(faces + samples × faces that overlap), parallel over bands of rows.
+[[nodiscard]] inline image draw_picture(const mesh& source, const picture_view& from,
+                                        const picture_options& options = {},
+                                        parallel threads = {}) {
+    constexpr int band_height = 16;
+    const int s = options.supersample;
+    const double sample_size = from.height / (from.height_px * s);
+    const dvec3 corner = from.centre - from.axes.u * (0.5 * from.width_px * s * sample_size) +
+                         from.axes.v * (0.5 * from.height);
+    const draw_target target{
+        {from.axes, corner, sample_size}, from.width_px * s, from.height_px * s, band_height * s};
+    std::vector<drawn_face> faces;
+    for (face_id face = 0; face < source.face_count(); ++face) {
+        const auto [a, b, c] = source.corners(face);
+        if (const auto drawn = clipped_to(target, face, {dvec3(a), dvec3(b), dvec3(c)})) {
+            faces.push_back(*drawn);
+        }
+    }
+
+    const surface look(source);
+    const vec3 toward_viewer(from.axes.normal);
+    image picture = image::filled(from.width_px, from.height_px, 3, 0);
+    const auto bands = static_cast<std::size_t>((from.height_px + band_height - 1) / band_height);
+    std::vector<detail::picture_scratch> scratches(threads.count(),
+                                                   {visibility_buffer(s), view_shader(look, s)});
+    for (auto& scratch : scratches) {
+        scratch.buffer.reserve(static_cast<std::size_t>(target.columns) *
+                               static_cast<std::size_t>(target.band_rows));
+        scratch.shader.start(target.view);
+    }
+    for_jobs(threads, bands, scratches, [&](std::size_t band, auto& scratch) {
+        const int first = static_cast<int>(band) * band_height;
+        const int last = std::min(first + band_height, from.height_px);
+        scratch.buffer.start({0, first * s, target.columns, last * s});
+        for (const drawn_face& f : faces) {
+            if (f.first_band <= band && band <= f.last_band) {
+                scratch.buffer.draw(look, target.view, f.face, {});
+            }
+        }
+        std::array<texel_part, max_supersample * max_supersample> parts;
+        for (int y = first; y < last; ++y) {
+            for (int x = 0; x < from.width_px; ++x) {
+                const std::size_t count = parts_of_texel(scratch.buffer, x, y, s, parts);
+                vec3 sum{0};
+                int covered = 0;
+                for (std::size_t i = 0; i < count; ++i) {
+                    const surface_sample sample = scratch.shader.at(parts[i].face, parts[i].centre);
+                    sum += glm::min(detail::lit(sample, toward_viewer, options), vec3(1)) *
+                           static_cast<float>(parts[i].samples);
+                    covered += parts[i].samples;
+                }
+                sum += options.background * static_cast<float>(s * s - covered);
+                std::uint8_t* pixel = picture.pixel(x, y);
+                for (int c = 0; c < 3; ++c) {
+                    pixel[c] = srgb_byte_from_linear(sum[c] / static_cast<float>(s * s));
+                }
+            }
+        }
+    });
+    return picture;
+}
+
+/// Two pictures of the same height and channels in one, the first on the left.
+[[nodiscard]] inline image side_by_side(const image& left, const image& right) {
+    BILLOW_ASSERT(left.height == right.height && left.channels == right.channels);
+    image joined = image::filled(left.width + right.width, left.height, left.channels, 0);
+    for (int y = 0; y < left.height; ++y) {
+        const auto bytes_of = [](const image& i) {
+            return static_cast<std::ptrdiff_t>(i.width) * i.channels;
+        };
+        const auto row_of = [&](const image& i) { return i.bytes.begin() + y * bytes_of(i); };
+        const auto end =
+            std::copy_n(row_of(left), bytes_of(left), joined.bytes.begin() + y * bytes_of(joined));
+        std::copy_n(row_of(right), bytes_of(right), end);
+    }
+    return joined;
 }
 
 }  // namespace billow::inline BILLOW_ABI

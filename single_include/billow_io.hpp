@@ -14,15 +14,27 @@
 // has these bodies already leaves it out.
 
 #if defined(BILLOW_IO_IMPLEMENTATION)
-#define TINYGLTF_IMPLEMENTATION
-#define TINYGLTF_NO_EXTERNAL_IMAGE
-#define TINYOBJLOADER_IMPLEMENTATION
-#define STB_IMAGE_IMPLEMENTATION
-#define STB_IMAGE_WRITE_IMPLEMENTATION
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
+#define STB_IMAGE_IMPLEMENTATION
+#include <stb_image.h>
+#undef STB_IMAGE_IMPLEMENTATION
+
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#include <stb_image_write.h>
+#undef STB_IMAGE_WRITE_IMPLEMENTATION
+
+#define TINYOBJLOADER_IMPLEMENTATION
+#include <tiny_obj_loader.h>
+#undef TINYOBJLOADER_IMPLEMENTATION
+
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define TINYGLTF_IMPLEMENTATION
+#include <tiny_gltf.h>
+#undef TINYGLTF_IMPLEMENTATION
 #endif
 
 // ---- billow/io/file.hpp
@@ -388,7 +400,7 @@ public:
 
 private:
     using json = nlohmann::ordered_json;
-    using part = std::pair<const char*, json>;
+    using section = std::pair<const char*, json>;
 
     // ---- binary
 
@@ -619,12 +631,12 @@ private:
     const glb_options& options_;
     json root_ = json::object();
     json primitives_ = json::array();
-    part accessors_{"accessors", json::array()};
-    part views_{"bufferViews", json::array()};
-    part materials_{"materials", json::array()};
-    part textures_{"textures", json::array()};
-    part samplers_{"samplers", json::array()};
-    part images_{"images", json::array()};
+    section accessors_{"accessors", json::array()};
+    section views_{"bufferViews", json::array()};
+    section materials_{"materials", json::array()};
+    section textures_{"textures", json::array()};
+    section samplers_{"samplers", json::array()};
+    section images_{"images", json::array()};
     std::vector<image_id> images_in_use_{};
     std::vector<std::uint32_t> written_uv_sets_{};
     bool uses_transform_ = false;
@@ -2482,7 +2494,8 @@ private:
     while (!text.empty()) {
         ++line_number;
         std::string_view line = text.substr(0, text.find_first_of("\n\r"));
-        text.remove_prefix(std::min(line.size() + 1, text.size()));
+        text.remove_prefix(line.size());
+        text.remove_prefix(text.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, text.size()));
         const auto skip_blanks = [&] {
             line.remove_prefix(std::min(line.find_first_not_of(" \t"), line.size()));
         };

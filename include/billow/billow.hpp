@@ -64,11 +64,15 @@
 #include <billow/search/greedy.hpp>
 #include <billow/search/refine.hpp>
 
+#include <billow/bake/bake_cloud.hpp>
 #include <billow/bake/baked_cloud.hpp>
 #include <billow/bake/border.hpp>
+#include <billow/bake/cloud_mesh.hpp>
 #include <billow/bake/draw_set.hpp>
 #include <billow/bake/pack.hpp>
 #include <billow/bake/surface.hpp>
 #include <billow/bake/texel.hpp>
 #include <billow/bake/texture_sampler.hpp>
 #include <billow/bake/visibility.hpp>
+
+#include <billow/metrics/picture.hpp>

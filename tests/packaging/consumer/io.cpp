@@ -1,5 +1,4 @@
 #define BILLOW_IO_IMPLEMENTATION
-#include <billow/billow.hpp>
 #include <billow/io.hpp>
 
-int main() { return 0; }
+int main() { return billow::read_mesh("missing.glb").has_value() ? 1 : 0; }

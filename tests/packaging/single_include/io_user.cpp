@@ -1,3 +1,3 @@
 #include "billow_io.hpp"
 
-int main() { return 0; }
+int main() { return billow::read_mesh("missing.glb").has_value() ? 1 : 0; }
