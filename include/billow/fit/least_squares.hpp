@@ -32,7 +32,8 @@ struct least_squares_fit {
             right += xy * (p.z - mean.z);
         });
         const double trace = matrix.trace();
-        if (!(matrix.determinant() > 1e-12 * trace * trace)) return start;
+        const double determinant = matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0);
+        if (!(determinant > 1e-12 * trace * trace)) return start;
         const Eigen::Vector2d slope = matrix.ldlt().solve(right);
         const dvec3 normal = axes.to_scene(glm::normalize(dvec3(-slope.x(), -slope.y(), 1)));
         return {normal, glm::dot(normal, axes.to_scene(mean))};

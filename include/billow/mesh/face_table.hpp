@@ -14,6 +14,7 @@
 #include <billow/core/types.hpp>
 #include <billow/geometry/bounds.hpp>
 #include <billow/mesh/mesh.hpp>
+#include <billow/mesh/validate.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -82,33 +83,22 @@ inline constexpr double degenerate_area_share = 1e-12;
 
 /// Centres the faces of `m` and computes what the search needs of each.
 ///
-/// Fails  error_code::not_finite names the first face with a NaN or infinite corner,
-///        error_code::out_of_range the first with an index past the last vertex.
+/// Fails  as validate does, naming the face; too_large where areas would leave the range of floats.
 /// Cost   O(faces); 60 bytes a face.
 /// Source Luksch 2009, section 4.1. Differs: faces without a normal are set aside.
-[[nodiscard]] inline expected<face_table> make_face_table(const mesh& m) {
-    for (face_id face = 0; face < m.face_count(); ++face) {
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t vertex = m.triangles[face][k];
-            if (vertex >= m.vertex_count()) {
-                return error{error_code::out_of_range, "face " + std::to_string(face) +
-                                                           " uses vertex " +
-                                                           std::to_string(vertex) + " of " +
-                                                           std::to_string(m.vertex_count())};
-            }
-            const vec3 p = m.positions[vertex];
-            if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-                return error{error_code::not_finite,
-                             "face " + std::to_string(face) + " has a corner that is not finite"};
-            }
-        }
-    }
+[[nodiscard]] inline expected<face_table> make_face_table(const mesh& m, parallel threads = {}) {
+    if (const expected<done> valid = validate(m, threads); !valid) return valid.error();
     face_table faces;
     faces.bounds = bounding_sphere_of(m.face_count() * 3, [&](std::size_t i) {
         return m.positions[m.triangles[i / 3][static_cast<glm::length_t>(i % 3)]];
     });
-    faces.resize(m.face_count());
     const double radius = faces.bounds.radius;
+    if (radius != 0 && !(radius > 1e-15 && radius < 1e15)) {
+        return error{error_code::too_large, "a mesh of radius " + std::to_string(radius) +
+                                                " is beyond single precision, scale it to "
+                                                "between 1e-15 and 1e15"};
+    }
+    faces.resize(m.face_count());
     std::size_t row = 0;
     for (face_id face = 0; face < m.face_count(); ++face) {
         const auto [a, b, c] = m.corners(face);

@@ -1,0 +1,188 @@
+#include <billow/density/rasterize.hpp>
+
+#include <cmath>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <billow/plane_space/cube_map.hpp>
+
+#include "support/meshes.hpp"
+
+using namespace billow;
+
+namespace {
+
+constexpr double epsilon = 0.15;
+
+std::vector<orientation_cell> cells_of(const cube_map& space) {
+    std::vector<orientation_cell> cells;
+    for (orientation_id id = 0; id < space.orientation_count(); ++id)
+        cells.push_back(space.cell(id));
+    return cells;
+}
+
+offset_axis axis_of(double radius) {
+    const double spacing = epsilon / 1.5;
+    const int half = static_cast<int>(std::ceil(radius / spacing));
+    return {-half * spacing, spacing, 2 * half};
+}
+
+using row_values = std::vector<std::pair<std::int64_t, std::int64_t>>;
+
+row_values values(const density_grid& grid, std::size_t row) {
+    row_values all;
+    grid.for_each_bin(row, [&](int, std::int64_t c, std::int64_t p) { all.emplace_back(c, p); });
+    return all;
+}
+
+/// Covered share of a bin, as a picture would be drawn: the overlap of two intervals.
+double coverage(const offset_axis& axis, int bin, double low, double high) {
+    const double from = axis.origin + bin * axis.spacing;
+    return std::max(0.0, std::min(high, from + axis.spacing) - std::max(low, from)) / axis.spacing;
+}
+
+}  // namespace
+
+TEST_SUITE("density/rasterize") {
+    TEST_CASE("contribution and penalty of every bin are those of brute force") {
+        const cube_map space(6);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(50, 0.2, 1));
+        density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+        rasterize_density(faces, std::span<const orientation_cell>(cells), density_policies<>{},
+                          epsilon, grid);
+        double largest_difference = 0;
+        for (std::size_t row = 0; row < cells.size(); ++row) {
+            std::vector<double> contribution(static_cast<std::size_t>(grid.axis().bin_count));
+            std::vector<double> penalty(contribution.size());
+            for (std::size_t f = 0; f < faces.size; ++f) {
+                const auto face = load_faces<float>(faces, f);
+                const auto valid =
+                    hull_of_corners{}(face, cell_lanes<float>(cells[row]), float(epsilon));
+                if (valid.low > valid.high) continue;
+                const double worth =
+                    double(projected_area{}(face, fill_lanes<float>(cells[row].centre)));
+                const double low = double(valid.low), high = double(valid.high);
+                for (int bin = 0; bin < grid.axis().bin_count; ++bin) {
+                    const auto b = static_cast<std::size_t>(bin);
+                    contribution[b] += worth * coverage(grid.axis(), bin, low, high);
+                    // The inner side: towards 0, on either side of it, but not across.
+                    if (low > 0) {
+                        penalty[b] +=
+                            worth * coverage(grid.axis(), bin, std::max(0.0, low - epsilon), low);
+                    } else if (high < 0) {
+                        penalty[b] +=
+                            worth * coverage(grid.axis(), bin, high, std::min(0.0, high + epsilon));
+                    }
+                }
+            }
+            grid.for_each_bin(row, [&](int bin, std::int64_t c, std::int64_t p) {
+                const auto b = static_cast<std::size_t>(bin);
+                largest_difference = std::max({largest_difference,
+                                               std::abs(double(c) / grid.scale() - contribution[b]),
+                                               std::abs(double(p) / grid.scale() - penalty[b])});
+            });
+        }
+        CHECK(largest_difference < 1e-5);
+    }
+    TEST_CASE("a face's contributions sum to its worth times the bins that its interval spans") {
+        const cube_map space(4);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::triangles({{-1, -1, -1},
+                                                                       {0.1f, 0.1f, 0.2f},
+                                                                       {0.2f, 0.1f, 0.2f},
+                                                                       {1, 1, 1},
+                                                                       {0.9f, 1, 1},
+                                                                       {1, 0.9f, 1}}));
+        const face_table one = select_rows(faces, std::vector<std::uint32_t>{1});
+        density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(one));
+        rasterize_density(one, std::span<const orientation_cell>(cells), density_policies<>{},
+                          epsilon, grid);
+        int covered = 0;
+        for (std::size_t row = 0; row < cells.size(); ++row) {
+            const auto face = load_faces<float>(one, 0);
+            const auto valid =
+                hull_of_corners{}(face, cell_lanes<float>(cells[row]), float(epsilon));
+            if (valid.low > valid.high) continue;
+            const offset_axis axis = grid.axis();
+            const double from = std::max(double(valid.low), axis.origin);
+            const double to =
+                std::min(double(valid.high), axis.origin + axis.bin_count * axis.spacing);
+            double sum = 0;
+            grid.for_each_bin(row, [&](int, std::int64_t c, std::int64_t) { sum += double(c); });
+            const double worth =
+                double(projected_area{}(face, fill_lanes<float>(cells[row].centre)));
+            CHECK(sum / grid.scale() ==
+                  doctest::Approx(worth * (to - from) / axis.spacing).epsilon(1e-4));
+            covered +=
+                (to - from) > 3 * axis.spacing ? 1 : 0;  // spans of more than three bins occur
+        }
+        CHECK(covered > 0);
+    }
+    TEST_CASE("lanes, scalars and any number of threads give the same integers") {
+        const cube_map space(6);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(3000, 0.1, 2));
+        const auto grid_with = [&](auto lane, unsigned threads) {
+            density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+            rasterize_density<decltype(lane)>(faces, std::span<const orientation_cell>(cells),
+                                              density_policies<>{}, epsilon, grid,
+                                              density_change::add, {threads});
+            return grid;
+        };
+        const density_grid scalar = grid_with(float{}, 1);
+        for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+            const density_grid wide = grid_with(simd::wide{}, threads);
+            bool is_same = true;
+            for (std::size_t row = 0; row < cells.size(); ++row) {
+                is_same &= values(wide, row) == values(scalar, row);
+            }
+            CHECK(is_same);
+        }
+    }
+    TEST_CASE(
+        "contributions stay at least 0 and removing every face in any order leaves exactly 0") {
+        const cube_map space(4);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(700, 0.3, 3));
+        density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+        rasterize_density(faces, std::span<const orientation_cell>(cells), density_policies<>{},
+                          epsilon, grid);
+        for (std::uint32_t part : {2u, 0u, 1u}) {
+            std::vector<std::uint32_t> rows;
+            for (std::uint32_t row = 0; row < faces.size; ++row) {
+                if (row % 3 == part) rows.push_back(row);
+            }
+            rasterize_density(select_rows(faces, rows), std::span<const orientation_cell>(cells),
+                              density_policies<>{}, epsilon, grid, density_change::remove);
+            bool is_positive = true;
+            for (std::size_t row = 0; row < cells.size(); ++row) {
+                for (const auto& [c, p] : values(grid, row)) is_positive &= c >= 0 && p >= 0;
+            }
+            CHECK(is_positive);
+        }
+        for (std::size_t row = 0; row < cells.size(); ++row) {
+            for (const ramp& r : grid.contribution(row)) REQUIRE(r == ramp{});
+            for (const ramp& r : grid.penalty(row)) REQUIRE(r == ramp{});
+        }
+    }
+    TEST_CASE("a row serves a normal and its opposite") {
+        const cube_map space(6);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(200, 0.2, 4));
+        density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+        rasterize_density(faces, std::span<const orientation_cell>(cells), density_policies<>{},
+                          epsilon, grid);
+        for (orientation_id id = 0; id < space.orientation_count(); ++id) {
+            row_values mirrored = values(grid, space.antipode(id));
+            std::reverse(mirrored.begin(), mirrored.end());
+            const row_values own = values(grid, id);
+            for (std::size_t b = 0; b < own.size(); ++b) {
+                // Heights round down on either side: a unit a face at most.
+                REQUIRE(std::abs(own[b].first - mirrored[b].first) <= 2000 * 2);
+                REQUIRE(std::abs(own[b].second - mirrored[b].second) <= 2000 * 2);
+            }
+        }
+    }
+}
