@@ -104,7 +104,7 @@ namespace detail {
 /// The word after `options.generations` rewritings of the axiom and one reading of `finish`.
 ///
 /// Fails   malformed: a bracket of axiom or successor lacks its partner; invalid_options: a weight
-///         is negative or not a number; too_large: more than `max_symbols` symbols.
+///         is negative, infinite or not a number; too_large: more than `max_symbols` symbols.
 /// Cost    O(length of all words).
 [[nodiscard]] inline expected<std::string> expand(const grammar& rules,
                                                   const expand_options& options = {}) {
@@ -112,10 +112,10 @@ namespace detail {
     for (const auto& productions : {rules.productions, rules.finish}) {
         for (const production& p : productions) {
             if (auto fine = check_brackets(p.successor); !fine) return fine.error();
-            if (!(p.weight >= 0)) {
+            if (!(p.weight >= 0 && p.weight < 1e300)) {
                 return error{error_code::invalid_options,
                              "a production of '" + std::string(1, p.symbol) +
-                                 "' has a weight that is not zero or more"};
+                                 "' has a weight below zero or without bound"};
             }
         }
     }
