@@ -94,7 +94,7 @@ TEST_SUITE("plants/species") {
         const auto paper = with_face_count(quick(forest_paper_tree()), 3000);
         REQUIRE(paper);
         CHECK(grow(*paper)->face_count() + 1 >= 3000);
-        CHECK(tree_of_about(2000)->face_count() == 2000);
+        CHECK(2000 - tree_of_about(2000)->face_count() <= 1);
     }
 
     TEST_CASE("impossible wishes are refused") {

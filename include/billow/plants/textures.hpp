@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include <billow/core/random.hpp>
 #include <billow/image/image.hpp>

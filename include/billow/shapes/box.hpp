@@ -1,6 +1,9 @@
 // Boxes: the plain one, and one with a picture on every side.
 #pragma once
 
+#include <string>
+#include <utility>
+
 #include <billow/mesh/mesh.hpp>
 
 namespace billow::inline BILLOW_ABI {
