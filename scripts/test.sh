@@ -3,7 +3,9 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
+cores=$(getconf _NPROCESSORS_ONLN)
+
 scripts/install_dependencies.sh
 cmake -S . -B build/test -DCMAKE_BUILD_TYPE=Release
-cmake --build build/test --parallel "$(getconf _NPROCESSORS_ONLN)"
-ctest --test-dir build/test --output-on-failure
+cmake --build build/test --parallel "$cores"
+ctest --test-dir build/test --output-on-failure --parallel "$cores"

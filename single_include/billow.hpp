@@ -831,13 +831,13 @@ struct float_image {
 }
 
 [[nodiscard]] inline image bytes_of(const float_image& from, bool is_srgb) {
-    image to{from.width, from.height, 4, {}};
-    to.bytes.reserve(from.pixels.size() * 4);
+    image to = image::filled(from.width, from.height, 4, 0);
+    std::uint8_t* byte = to.bytes.data();
     for (const auto& p : from.pixels) {
         for (std::size_t c = 0; c < 3; ++c) {
-            to.bytes.push_back(is_srgb ? srgb_byte_from_linear(p[c]) : byte_from_unit(p[c]));
+            *byte++ = is_srgb ? srgb_byte_from_linear(p[c]) : byte_from_unit(p[c]);
         }
-        to.bytes.push_back(byte_from_unit(p[3]));
+        *byte++ = byte_from_unit(p[3]);
     }
     return to;
 }
@@ -853,7 +853,7 @@ struct float_image {
     BILLOW_ASSERT(!source.empty() && source.width > 0 && source.height > 0);
     const bool is_srgb = kind != texel_kind::linear;
     detail::float_image level = detail::float_image_of(source, is_srgb);
-    std::vector<image> chain{detail::bytes_of(level, is_srgb)};
+    std::vector<image> chain{source.channels == 4 ? source : detail::bytes_of(level, is_srgb)};
     while (level.width > 1 || level.height > 1) {
         level = detail::halved(level, kind == texel_kind::srgb_alpha);
         chain.push_back(detail::bytes_of(level, is_srgb));
@@ -1010,7 +1010,7 @@ struct affine_value {
     double dx = 0;
     double dy = 0;
 
-    [[nodiscard]] double at(double x, double y) const noexcept { return base + dx * x + dy * y; }
+    [[nodiscard]] double at(double x, double y) const noexcept { return base + dy * y + dx * x; }
 };
 
 namespace detail {
@@ -1950,7 +1950,8 @@ struct least_squares_fit {
             right += xy * (p.z - mean.z);
         });
         const double trace = matrix.trace();
-        if (!(matrix.determinant() > 1e-12 * trace * trace)) return start;
+        const double determinant = matrix(0, 0) * matrix(1, 1) - matrix(0, 1) * matrix(1, 0);
+        if (!(determinant > 1e-12 * trace * trace)) return start;
         const Eigen::Vector2d slope = matrix.ldlt().solve(right);
         const dvec3 normal = axes.to_scene(glm::normalize(dvec3(-slope.x(), -slope.y(), 1)));
         return {normal, glm::dot(normal, axes.to_scene(mean))};
@@ -2384,7 +2385,7 @@ namespace detail {
 /// The word after `options.generations` rewritings of the axiom and one reading of `finish`.
 ///
 /// Fails   malformed: a bracket of axiom or successor lacks its partner; invalid_options: a weight
-///         is negative or not a number; too_large: more than `max_symbols` symbols.
+///         is negative, infinite or not a number; too_large: more than `max_symbols` symbols.
 /// Cost    O(length of all words).
 [[nodiscard]] inline expected<std::string> expand(const grammar& rules,
                                                   const expand_options& options = {}) {
@@ -2392,10 +2393,10 @@ namespace detail {
     for (const auto& productions : {rules.productions, rules.finish}) {
         for (const production& p : productions) {
             if (auto fine = check_brackets(p.successor); !fine) return fine.error();
-            if (!(p.weight >= 0)) {
+            if (!(p.weight >= 0 && p.weight < 1e300)) {
                 return error{error_code::invalid_options,
                              "a production of '" + std::string(1, p.symbol) +
-                                 "' has a weight that is not zero or more"};
+                                 "' has a weight below zero or without bound"};
             }
         }
     }
@@ -2521,6 +2522,7 @@ inline void add_leaves(mesh& out, const skeleton& bones, const leaf_options& opt
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 
 namespace billow::inline BILLOW_ABI {
@@ -2994,8 +2996,8 @@ struct species {
     return {.name = "broadleaf",
             .rules = {.axiom = "F(0.45)F(0.45)F(0.45)F(0.45)A",
                       .productions = {{'A',
-                                       "F(0.55)[&(62)\"(0.88)$/(90)B]/"
-                                       "(137.508)F(0.55)[&(58)\"(0.8)$/(90)B]/(137.508)\"(0.92)A"},
+                                       "F(0.55)[&(62)\"(0.88)$/(90)B]/(137.508)"
+                                       "F(0.55)[&(58)\"(0.8)$/(90)B]/(137.508)\"(0.92)A"},
                                       {'B', "FL[&(45)\"B]/(155)\"(0.92)B", 0.72},
                                       {'B', "FL/(155)\"(0.94)B", 0.28},
                                       {'L', "K"},
@@ -3118,6 +3120,9 @@ namespace detail {
 
 // ---- billow/shapes/box.hpp
 // Boxes: the plain one, and one with a picture on every side.
+
+#include <string>
+#include <utility>
 
 
 namespace billow::inline BILLOW_ABI {
@@ -3547,22 +3552,29 @@ template <class V>
     return {simd::max(simd::max(a, b), c) - epsilon, simd::min(simd::min(a, b), c) + epsilon};
 }
 
-/// Estimate A: the hull of the exact intervals at the cell's corners. Never too wide, may miss.
-/// Measured on random triangles in cells of 5° at epsilon = 5 % of the radius: 19 % of the intervals
-/// are too short, 0.09 % are missed. The right estimate of a density. Source: Luksch 2009, section 2.1.
-struct hull_of_corners {
+/// Estimate A: the hull of the exact intervals at the cell's corners and centre. Never too wide, may
+/// miss. The right estimate of a density.
+///
+/// Source: Luksch 2009, section 2.1. Differs by the centre, without which a plane that the space
+/// samples exactly can go unseen: two walls 1.9 epsilon apart share only planes so close to their own
+/// normal that no corner has one (the "diamond" of the thesis's Figure 3.6).
+struct hull_of_samples {
     template <class V>
-    [[nodiscard]] offset_interval<V> operator()(const face_lanes<V>& face,
-                                                const cell_lanes<V>& cell,
+    [[nodiscard]] offset_interval<V> operator()(const face_lanes<V>& face, const cell_lanes<V>& cell,
                                                 V epsilon) const noexcept {
         const V far = simd::lanes<V>::fill(std::numeric_limits<float>::max());
         offset_interval<V> hull{far, -far};
-        for (std::size_t k = 0; k < 4; ++k) {
-            const offset_interval<V> at = valid_offsets(face, cell.corner[k], epsilon);
+        const auto widen = [&](const vec3_lanes<V>& normal) {
+            const offset_interval<V> at = valid_offsets(face, normal, epsilon);
             const auto is_valid = at.low <= at.high;
             hull.low = simd::min(hull.low, simd::select(is_valid, at.low, far));
             hull.high = simd::max(hull.high, simd::select(is_valid, at.high, -far));
-        }
+        };
+        widen(cell.centre);
+        widen(cell.corner[0]);
+        widen(cell.corner[1]);
+        widen(cell.corner[2]);
+        widen(cell.corner[3]);
         return hull;
     }
 };
@@ -3605,7 +3617,7 @@ struct widened_centre {
     }
 };
 
-static_assert(validity<hull_of_corners> && validity<hull_of_corners, simd::wide>);
+static_assert(validity<hull_of_samples> && validity<hull_of_samples, simd::wide>);
 static_assert(validity<intersection_of_vertices> && validity<intersection_of_vertices, simd::wide>);
 static_assert(validity<widened_centre> && validity<widened_centre, simd::wide>);
 
@@ -3779,7 +3791,7 @@ template <class Worth>
 namespace billow::inline BILLOW_ABI {
 
 /// The policies that make a density.
-template <class Validity = hull_of_corners, class Contribution = projected_area,
+template <class Validity = hull_of_samples, class Contribution = projected_area,
           class Penalty = inner_side_penalty>
 struct density_policies {
     Validity validity{};
@@ -4193,7 +4205,7 @@ template <class Predicate>
 [[nodiscard]] face_rows filter_rows(const face_table& faces, const Predicate& predicate,
                                     parallel threads = {}) {
     using V = simd::wide;
-    constexpr std::size_t chunk = 8192;
+    static constexpr std::size_t chunk = 8192;
     std::vector<float> keeps(faces.padded_size());
     std::vector<std::size_t> counts((faces.padded_size() + chunk - 1) / chunk + 1);
     threads.for_chunks(faces.padded_size(), chunk, [&](std::size_t begin, std::size_t end) {
@@ -4202,7 +4214,7 @@ template <class Predicate>
         }
         std::size_t count = 0;
         for (std::size_t row = begin; row < std::min(end, faces.size); ++row) {
-            count += keeps[row] > 0 ? 1 : 0;
+            if (keeps[row] > 0) ++count;
         }
         counts[begin / chunk + 1] = count;
     });
@@ -4974,6 +4986,7 @@ namespace detail {
 
 /// A coordinate within [0, 1]: where the wrap mode folds it to. NaN becomes 0.
 [[nodiscard]] inline float wrapped(float u, texture_wrap wrap) noexcept {
+    if (u >= 0 && u <= 1) return u;
     if (wrap == texture_wrap::repeat) {
         u -= std::floor(u);
     } else if (wrap == texture_wrap::mirrored_repeat) {
@@ -5056,15 +5069,17 @@ struct texel_quad {
     return sum;
 }
 
-/// Alpha alone, in [0, 1]: the last of the channels.
+/// Alpha alone, in [0, 1], of an image with one channel.
 [[nodiscard]] inline float sample_alpha(const image& level, const texture& t, const vec2& uv,
                                         bool is_nearest) noexcept {
-    const detail::texel_quad quad = detail::texels_around(level, t, uv, is_nearest);
-    const int last = level.channels - 1;
-    float sum = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        sum += static_cast<float>(quad.texel[i][last]) * quad.share[i];
+    if (is_nearest) {
+        const int x = detail::texels_at(uv.x, level.width, t.wrap_u, true).a;
+        const int y = detail::texels_at(uv.y, level.height, t.wrap_v, true).a;
+        return static_cast<float>(*level.pixel(x, y)) * (1.0f / 255.0f);
     }
+    const detail::texel_quad quad = detail::texels_around(level, t, uv, false);
+    float sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += static_cast<float>(*quad.texel[i]) * quad.share[i];
     return sum * (1.0f / 255.0f);
 }
 
@@ -5219,7 +5234,8 @@ public:
         const std::size_t level =
             needs_exact ? 0 : level_for(bound.base_color, cover.uvs, sample_area);
         cover.alpha = &bound.cover[level];
-        cover.is_nearest = level == 0 && cover.map->is_nearest;
+        // The texels of further levels are about as large as a sample: one of them says enough.
+        cover.is_nearest = level > 0 || cover.map->is_nearest;
         if (level > 0 && look.alpha == alpha_mode::mask) {
             cover.decides = face_cover::rule::share;
             cover.factor = 1;

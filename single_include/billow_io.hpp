@@ -14,6 +14,7 @@
 // has these bodies already leaves it out.
 
 #if defined(BILLOW_IO_IMPLEMENTATION)
+#define STBI_FAILURE_USERMSG
 #define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
@@ -29,6 +30,9 @@
 #define TINYOBJLOADER_IMPLEMENTATION
 #include <tiny_obj_loader.h>
 #undef TINYOBJLOADER_IMPLEMENTATION
+
+// tinygltf would include it with hidden visibility.
+#include <nlohmann/json.hpp>
 
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
@@ -134,7 +138,8 @@ namespace detail {
     if (why) return fail(error_code::not_found, "its size cannot be read: " + why.message());
     if (size == 0) return fail(error_code::malformed, "is empty");
     if (size > size_limit) {
-        return fail(error_code::too_large, "has " + std::to_string(size) + " bytes, more than the " +
+        return fail(error_code::too_large, "has " + std::to_string(size) +
+                                               " bytes, more than the " +
                                                std::to_string(size_limit) + " that are read");
     }
     std::ifstream stream(file, std::ios::binary);
@@ -278,10 +283,9 @@ namespace detail {
         return error{error_code::malformed, "is not a PNG, JPEG, BMP or TGA image"};
     }
     if (width <= 0 || height <= 0 || width > max_image_side || height > max_image_side) {
-        return error{error_code::too_large, "is an image of " + std::to_string(width) + " x " +
-                                                std::to_string(height) + " pixels; at most " +
-                                                std::to_string(max_image_side) +
-                                                " a side are read"};
+        return error{error_code::too_large,
+                     "is an image of " + std::to_string(width) + " x " + std::to_string(height) +
+                         " pixels; at most " + std::to_string(max_image_side) + " a side are read"};
     }
     // A palette may turn out to have an alpha channel only while it is decoded.
     stbi_uc* pixels = stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 0);
@@ -352,9 +356,9 @@ namespace detail {
 namespace billow::inline BILLOW_ABI {
 
 struct glb_options {
-    std::string name{};     ///< of mesh and node; empty: none
-    std::string extras{};   ///< JSON text that asset.extras will hold; empty: none
-    parallel threads{};     ///< images are encoded in parallel
+    std::string name{};    ///< of mesh and node; empty: none
+    std::string extras{};  ///< JSON text that asset.extras will hold; empty: none
+    parallel threads{};    ///< images are encoded in parallel
 };
 
 namespace detail {
@@ -362,8 +366,7 @@ namespace detail {
 /// Lays out one GLB. Vertices are written with the primitives that use them, one a material.
 class glb_encoder {
 public:
-    glb_encoder(const mesh& source, const glb_options& options)
-        : mesh_(source), options_(options) {
+    glb_encoder(const mesh& source, const glb_options& options) : mesh_(source), options_(options) {
         for (std::uint32_t s = 0; s < uv_set_count; ++s) {
             if (!mesh_.uv_sets[s].empty()) written_uv_sets_.push_back(s);
         }
@@ -389,7 +392,8 @@ public:
             json mesh = std::move(named);
             mesh["primitives"] = std::move(primitives_);
             root_["meshes"] = json::array({std::move(mesh)});
-            for (auto* part : {&materials_, &textures_, &samplers_, &images_, &accessors_, &views_}) {
+            for (auto* part :
+                 {&materials_, &textures_, &samplers_, &images_, &accessors_, &views_}) {
                 if (!part->second.empty()) root_[part->first] = std::move(part->second);
             }
             if (uses_transform_) root_["extensionsUsed"] = {"KHR_texture_transform"};
@@ -550,7 +554,9 @@ private:
         }
         const auto image = row_of(images_in_use_, t.image);
         const auto wrap = [](texture_wrap w) {
-            return w == texture_wrap::repeat ? 10497 : w == texture_wrap::clamp_to_edge ? 33071 : 33648;
+            return w == texture_wrap::repeat          ? 10497
+                   : w == texture_wrap::clamp_to_edge ? 33071
+                                                      : 33648;
         };
         const json sampler{{"magFilter", t.is_nearest ? 9728 : 9729},
                            {"minFilter", t.is_nearest ? 9984 : 9987},
@@ -609,7 +615,8 @@ private:
         text.resize((text.size() + 3) / 4 * 4, ' ');
         std::vector<std::uint8_t> glb;
         const auto word = [&](std::uint64_t value) {
-            for (int i = 0; i < 4; ++i) glb.push_back(static_cast<std::uint8_t>(value >> 8 * i & 0xff));
+            for (int i = 0; i < 4; ++i)
+                glb.push_back(static_cast<std::uint8_t>(value >> 8 * i & 0xff));
         };
         const std::size_t binary_part = binary_.empty() ? 0 : 8 + binary_.size();
         glb.reserve(12 + 8 + text.size() + binary_part);
@@ -728,7 +735,7 @@ using bytes_view = std::span<const std::uint8_t>;
 struct gltf_resource {
     std::string uri{};
     std::string mime_type{};
-    int buffer_view = -1;         ///< of an image
+    int buffer_view = -1;           ///< of an image
     std::uint64_t byte_length = 0;  ///< of a buffer
     bool is_meshopt_fallback = false;
     bool is_loaded = false;
@@ -804,7 +811,8 @@ template <class T>
     };
     std::string text;
     for (std::size_t i = 0; i < uri.size(); ++i) {
-        if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
+        if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 &&
+            digit(uri[i + 2]) >= 0) {
             text += static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2]));
             i += 2;
         } else {
@@ -825,18 +833,19 @@ template <class T>
             bytes = decode_base64(uri.substr(comma + 1));
         }
         if (!bytes) {
-            return document.fail(error_code::malformed, what + " has a data URI that is not base64");
+            return document.fail(error_code::malformed,
+                                 what + " has a data URI that is not base64");
         }
         resource.owned = std::move(*bytes);
     } else {
         const std::size_t colon = uri.find(':');
         if (colon != uri.npos && colon > 1 && colon < uri.find('/')) {
-            return document.fail(error_code::unsupported,
-                                 what + " is at " + one_line(uri.substr(0, 60)) +
-                                     "; store it beside the file");
+            return document.fail(
+                error_code::unsupported,
+                what + " is at " + one_line(uri.substr(0, 60)) + "; store it beside the file");
         }
-        auto path = file_beside(document.file.parent_path(),
-                                std::filesystem::path(percent_decoded(uri)));
+        auto path =
+            file_beside(document.file.parent_path(), std::filesystem::path(percent_decoded(uri)));
         if (!path) {
             return document.fail(path.error().code, what + " " + path.error().message);
         }
@@ -1000,8 +1009,8 @@ private:
         to.base_color = color(pbr.baseColorFactor);
         to.metallic = unit(number(pbr.metallicFactor, 1));
         to.roughness = unit(number(pbr.roughnessFactor, 1));
-        const auto strength = numbers_of<1>(extension(from.extensions, "KHR_materials_emissive_strength"),
-                                            "emissiveStrength", {1});
+        const auto strength = numbers_of<1>(
+            extension(from.extensions, "KHR_materials_emissive_strength"), "emissiveStrength", {1});
         for (int i = 0; i < 3; ++i) {
             const double factor = from.emissiveFactor[static_cast<std::size_t>(i)] * strength[0];
             to.emissive[i] = unit(number(factor, 0));
@@ -1013,7 +1022,8 @@ private:
         if (from.extensions.contains("KHR_materials_pbrSpecularGlossiness")) {
             return convert_specular_glossiness(from, to);
         }
-        if (auto done = use_texture(pbr.baseColorTexture, to.base_color_texture); !done) return done;
+        if (auto done = use_texture(pbr.baseColorTexture, to.base_color_texture); !done)
+            return done;
         if (from.extensions.contains("KHR_materials_unlit")) {
             target_.note("unlit materials are taken as rough ones");
             to.metallic = 0;
@@ -1030,7 +1040,8 @@ private:
 
     [[nodiscard]] expected<done> convert_surface(const tinygltf::Material& from, material& to) {
         if (auto done = use_texture(from.normalTexture, to.normal_texture); !done) return done;
-        if (auto done = use_texture(from.occlusionTexture, to.occlusion_texture); !done) return done;
+        if (auto done = use_texture(from.occlusionTexture, to.occlusion_texture); !done)
+            return done;
         return use_texture(from.emissiveTexture, to.emissive_texture);
     }
 
@@ -1061,7 +1072,8 @@ private:
         if (info.index < 0) return done{};
         const tinygltf::Texture* source = row(document_.model.textures, info.index);
         const std::string what = "texture " + std::to_string(info.index);
-        if (source == nullptr) return document_.fail(error_code::out_of_range, what + " does not exist");
+        if (source == nullptr)
+            return document_.fail(error_code::out_of_range, what + " does not exist");
 
         int uv_set = info.texCoord;
         const auto& transform = extension(info.extensions, "KHR_texture_transform");
@@ -1069,8 +1081,7 @@ private:
             to.transform = texture_transform(numbers_of<2>(transform, "offset", {0, 0}),
                                              numbers_of<1>(transform, "rotation", {0})[0],
                                              numbers_of<2>(transform, "scale", {1, 1}));
-            uv_set = id_of(
-                numbers_of<1>(transform, "texCoord", {static_cast<double>(uv_set)})[0]);
+            uv_set = id_of(numbers_of<1>(transform, "texCoord", {static_cast<double>(uv_set)})[0]);
         }
         if (uv_set < 0 || uv_set >= static_cast<int>(uv_set_count)) {
             target_.note(what + " uses TEXCOORD_" + std::to_string(uv_set) +
@@ -1089,7 +1100,8 @@ private:
             to.is_nearest = sampler->magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST;
         }
         if (source->source < 0) {
-            for (const char* name : {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"}) {
+            for (const char* name :
+                 {"KHR_texture_basisu", "EXT_texture_webp", "EXT_texture_avif"}) {
                 if (source->extensions.contains(name)) {
                     return document_.fail(error_code::unsupported,
                                           what + " is there by " + name +
@@ -1110,7 +1122,8 @@ private:
         if (const auto known = images_.find(gltf_id); known != images_.end()) return known->second;
         const std::string what = "image " + std::to_string(gltf_id);
         gltf_resource* source = row(document_.images, gltf_id);
-        if (source == nullptr) return document_.fail(error_code::out_of_range, what + " does not exist");
+        if (source == nullptr)
+            return document_.fail(error_code::out_of_range, what + " does not exist");
         if (!source->uri.empty()) {
             auto loaded = load_uri(document_, *source, what);
             if (!loaded) return loaded.error();
@@ -1152,9 +1165,12 @@ private:
     }
     [[nodiscard]] static texture_wrap wrap_of(int mode) {
         switch (mode) {
-            case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE: return texture_wrap::clamp_to_edge;
-            case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT: return texture_wrap::mirrored_repeat;
-            default: return texture_wrap::repeat;
+            case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE:
+                return texture_wrap::clamp_to_edge;
+            case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT:
+                return texture_wrap::mirrored_repeat;
+            default:
+                return texture_wrap::repeat;
         }
     }
 
@@ -1177,7 +1193,8 @@ namespace billow::inline BILLOW_ABI::detail {
 [[nodiscard]] inline expected<bytes_view> split_glb(gltf_document& document) {
     const bytes_view bytes = document.file_bytes;
     const auto word = [&](std::size_t at) {
-        return static_cast<std::uint32_t>(bytes[at]) | static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
+        return static_cast<std::uint32_t>(bytes[at]) |
+               static_cast<std::uint32_t>(bytes[at + 1]) << 8 |
                static_cast<std::uint32_t>(bytes[at + 2]) << 16 |
                static_cast<std::uint32_t>(bytes[at + 3]) << 24;
     };
@@ -1186,16 +1203,17 @@ namespace billow::inline BILLOW_ABI::detail {
     constexpr std::uint32_t bin_chunk = 0x004e4942;   // "BIN"
     if (bytes.size() < 4 || word(0) != magic) return bytes;
 
-    if (bytes.size() < 12) return document.fail(error_code::truncated, "ends within its GLB header");
+    if (bytes.size() < 12)
+        return document.fail(error_code::truncated, "ends within its GLB header");
     if (word(4) != 2) {
         return document.fail(error_code::unsupported, "is GLB version " + std::to_string(word(4)) +
                                                           "; billow reads version 2");
     }
     const std::size_t length = word(8);
     if (length > bytes.size()) {
-        return document.fail(error_code::truncated,
-                             "announces " + std::to_string(length) + " bytes, but has " +
-                                 std::to_string(bytes.size()));
+        return document.fail(error_code::truncated, "announces " + std::to_string(length) +
+                                                        " bytes, but has " +
+                                                        std::to_string(bytes.size()));
     }
     std::optional<bytes_view> json;
     bool has_binary = false;
@@ -1206,7 +1224,8 @@ namespace billow::inline BILLOW_ABI::detail {
         const std::size_t size = word(at);
         const std::uint32_t kind = word(at + 4);
         at += 8;
-        if (size > length - at) return document.fail(error_code::truncated, "ends within a GLB chunk");
+        if (size > length - at)
+            return document.fail(error_code::truncated, "ends within a GLB chunk");
         if (!json) {
             if (kind != json_chunk) {
                 return document.fail(error_code::malformed, "does not begin with a JSON chunk");
@@ -1272,7 +1291,6 @@ inline void normalize_json(nlohmann::json& value) {
     const auto fail = [&](const char* fault) {
         return document.fail(error_code::malformed, std::string(name) + " " + fault);
     };
-    if (!found->is_array()) return fail("is not an array");
     for (auto& item : *found) {
         if (!item.is_object()) return fail("holds something else than objects");
         gltf_resource resource;
@@ -1307,7 +1325,8 @@ inline void normalize_json(nlohmann::json& value) {
 }
 
 /// Refuses a file that asks for what billow cannot do.
-[[nodiscard]] inline expected<done> check_required_extensions(const gltf_document& document) {
+[[nodiscard]] inline expected<done> check_required_extensions(const gltf_document& document,
+                                                              const nlohmann::json& names) {
     // Read, or without a say in shape and base colour.
     static constexpr std::array known{
         "EXT_mesh_features",
@@ -1336,15 +1355,17 @@ inline void normalize_json(nlohmann::json& value) {
         "KHR_texture_transform",
         "KHR_xmp_json_ld",
     };  // an image of an unread kind is refused where a material uses it
-    for (const std::string& name : document.model.extensionsRequired) {
+    for (const auto& item : names) {
+        if (!item.is_string()) continue;
+        const auto& name = item.get_ref<const std::string&>();
         if (std::find(known.begin(), known.end(), name) != known.end()) continue;
         std::string advice = "export it without";
         if (name.find("draco") != name.npos || name.find("meshopt") != name.npos) {
             advice = "decompress it first: gltf-transform copy IN OUT";
         }
-        return document.fail(error_code::unsupported,
-                             "needs the extension " + one_line(name) +
-                                 ", which billow does not read; " + advice);
+        return document.fail(
+            error_code::unsupported,
+            "needs the extension " + one_line(name) + ", which billow does not read; " + advice);
     }
     return done{};
 }
@@ -1380,7 +1401,19 @@ inline void normalize_json(nlohmann::json& value) {
         return malformed("is not glTF: it has no asset object");
     }
 
-    for (auto& accessor : root.contains("accessors") ? root["accessors"] : nlohmann::json::array()) {
+    for (const char* name :
+         {"accessors", "animations", "bufferViews", "buffers", "cameras", "images", "materials",
+          "meshes", "nodes", "samplers", "scenes", "skins", "textures", "extensionsRequired"}) {
+        if (root.contains(name) && !root[name].is_array()) {
+            return malformed(std::string(name) + " is not an array");
+        }
+    }
+    if (const auto names = root.find("extensionsRequired"); names != root.end()) {
+        auto checked = check_required_extensions(document, *names);
+        if (!checked) return checked.error();
+    }
+    for (auto& accessor :
+         root.contains("accessors") ? root["accessors"] : nlohmann::json::array()) {
         if (accessor.is_object()) {
             accessor.erase("min");
             accessor.erase("max");
@@ -1401,13 +1434,11 @@ inline void normalize_json(nlohmann::json& value) {
     std::string faults;
     std::string warnings;
     tinygltf::TinyGLTF parser;
-    const bool is_read = parser.LoadASCIIFromString(&document.model, &faults, &warnings, text.data(),
-                                                    static_cast<unsigned>(text.size()), {});
+    const bool is_read = parser.LoadASCIIFromString(
+        &document.model, &faults, &warnings, text.data(), static_cast<unsigned>(text.size()), {});
     if (!is_read || !faults.empty()) {
         return malformed(faults.empty() ? "breaks the rules of glTF" : faults);
     }
-    auto checked = check_required_extensions(document);
-    if (!checked) return checked.error();
     return document;
 }
 
@@ -1444,12 +1475,16 @@ struct gltf_column {
 [[nodiscard]] inline std::size_t component_size(int type) {
     switch (type) {
         case TINYGLTF_COMPONENT_TYPE_BYTE:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return 1;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return 1;
         case TINYGLTF_COMPONENT_TYPE_SHORT:
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return 2;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return 2;
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        case TINYGLTF_COMPONENT_TYPE_FLOAT: return 4;
-        default: return 0;
+        case TINYGLTF_COMPONENT_TYPE_FLOAT:
+            return 4;
+        default:
+            return 0;
     }
 }
 
@@ -1461,19 +1496,24 @@ template <class T>
         std::memcpy(&stored, from, sizeof stored);
         if constexpr (std::is_floating_point_v<T> && std::is_integral_v<Stored>) {
             if (is_normalized) {
-                return std::max(static_cast<T>(stored) /
-                                    static_cast<T>(std::numeric_limits<Stored>::max()),
-                                T(-1));
+                return std::max(
+                    static_cast<T>(stored) / static_cast<T>(std::numeric_limits<Stored>::max()),
+                    T(-1));
             }
         }
         return static_cast<T>(stored);
     };
     switch (type) {
-        case TINYGLTF_COMPONENT_TYPE_BYTE: return as(std::int8_t{});
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return as(std::uint8_t{});
-        case TINYGLTF_COMPONENT_TYPE_SHORT: return as(std::int16_t{});
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return as(std::uint16_t{});
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return as(std::uint32_t{});
+        case TINYGLTF_COMPONENT_TYPE_BYTE:
+            return as(std::int8_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return as(std::uint8_t{});
+        case TINYGLTF_COMPONENT_TYPE_SHORT:
+            return as(std::int16_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return as(std::uint16_t{});
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return as(std::uint32_t{});
         default:
             if constexpr (std::is_floating_point_v<T>) return as(float{});
             return T{};  // callers refuse floats where integers are due
@@ -1511,11 +1551,20 @@ template <class T>
     }
     std::size_t width = 0;
     switch (accessor.type) {
-        case TINYGLTF_TYPE_SCALAR: width = 1; break;
-        case TINYGLTF_TYPE_VEC2: width = 2; break;
-        case TINYGLTF_TYPE_VEC3: width = 3; break;
-        case TINYGLTF_TYPE_VEC4: width = 4; break;
-        default: break;
+        case TINYGLTF_TYPE_SCALAR:
+            width = 1;
+            break;
+        case TINYGLTF_TYPE_VEC2:
+            width = 2;
+            break;
+        case TINYGLTF_TYPE_VEC3:
+            width = 3;
+            break;
+        case TINYGLTF_TYPE_VEC4:
+            width = 4;
+            break;
+        default:
+            break;
     }
     if (std::find(widths.begin(), widths.end(), width) == widths.end()) {
         return fail(error_code::malformed, "has a type that its use does not allow");
@@ -1534,12 +1583,13 @@ template <class T>
     if (accessor.bufferView >= 0) {
         auto bytes = view_bytes(document, accessor.bufferView);
         if (!bytes) return bytes.error();
-        const auto& view = document.model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
+        const auto& view =
+            document.model.bufferViews[static_cast<std::size_t>(accessor.bufferView)];
         const std::size_t stride = view.byteStride == 0 ? element : view.byteStride;
         if (!fits(accessor.byteOffset, count, stride, element, bytes->size())) {
-            return fail(error_code::out_of_range,
-                        "of " + std::to_string(count) + " elements reaches beyond buffer view " +
-                            std::to_string(accessor.bufferView));
+            return fail(error_code::out_of_range, "of " + std::to_string(count) +
+                                                      " elements reaches beyond buffer view " +
+                                                      std::to_string(accessor.bufferView));
         }
         column.values.resize(count * width);
         for (std::size_t i = 0; i < count; ++i) {
@@ -1640,9 +1690,12 @@ struct gltf_primitive {
 /// Positions in the index column of the i-th triangle's corners, all front sides alike.
 [[nodiscard]] inline std::array<std::size_t, 3> corners_of(int mode, std::size_t i) {
     switch (mode) {
-        case TINYGLTF_MODE_TRIANGLE_STRIP: return {i, i + 1 + i % 2, i + 2 - i % 2};
-        case TINYGLTF_MODE_TRIANGLE_FAN: return {i + 1, i + 2, 0};
-        default: return {3 * i, 3 * i + 1, 3 * i + 2};
+        case TINYGLTF_MODE_TRIANGLE_STRIP:
+            return {i, i + 1 + i % 2, i + 2 - i % 2};
+        case TINYGLTF_MODE_TRIANGLE_FAN:
+            return {i + 1, i + 2, 0};
+        default:
+            return {3 * i, 3 * i + 1, 3 * i + 2};
     }
 }
 
@@ -1711,8 +1764,8 @@ public:
             return id >= 0 && id < no_id ? static_cast<std::uint32_t>(id) : no_id;
         };
         for (const auto& filled :
-             {fill("POSITION", {3}, to.positions, as_vec3), fill("NORMAL", {3}, to.normals, as_vec3),
-              fill("TANGENT", {4}, to.tangents, as_vec4),
+             {fill("POSITION", {3}, to.positions, as_vec3),
+              fill("NORMAL", {3}, to.normals, as_vec3), fill("TANGENT", {4}, to.tangents, as_vec4),
               fill("TEXCOORD_0", {2}, to.uv_sets[0], as_vec2),
               fill("TEXCOORD_1", {2}, to.uv_sets[1], as_vec2),
               fill("COLOR_0", {3, 4}, to.colors, as_color),
@@ -1727,13 +1780,18 @@ private:
     [[nodiscard]] expected<std::vector<std::uint32_t>> read_triangles(
         const tinygltf::Primitive& from, std::size_t vertex_count, gltf_primitive& to) {
         std::vector<std::uint32_t> indices;
+        std::uint32_t restart = no_id;
         if (from.indices >= 0) {
             auto read = read_accessor<std::uint32_t>(document_, from.indices, {1});
             if (!read) return read.error();
             indices = std::move(read->values);
+            const auto& accessor =
+                document_.model.accessors[static_cast<std::size_t>(from.indices)];
+            restart >>= 32 - 8 * component_size(accessor.componentType);
         } else {
             indices.resize(vertex_count);
-            for (std::size_t i = 0; i < vertex_count; ++i) indices[i] = static_cast<std::uint32_t>(i);
+            for (std::size_t i = 0; i < vertex_count; ++i)
+                indices[i] = static_cast<std::uint32_t>(i);
         }
         const std::size_t count = triangle_count(from.mode, indices.size());
         to.triangles.reserve(count);
@@ -1744,7 +1802,17 @@ private:
             int c = 0;
             for (const std::size_t corner : corners_of(from.mode, i)) {
                 const std::uint32_t index = indices[corner];
-                if (index >= vertex_count) return refuse_index(index, vertex_count);
+                if (index == restart) {
+                    return document_.fail(
+                        error_code::malformed,
+                        "has primitive restart in its indices, which glTF forbids");
+                }
+                if (index >= vertex_count) {
+                    return document_.fail(error_code::out_of_range,
+                                          "has index " + std::to_string(index) +
+                                              " in a primitive of " + std::to_string(vertex_count) +
+                                              " vertices");
+                }
                 std::uint32_t& new_id = new_ids_[index];
                 if (new_id == no_id) {
                     new_id = static_cast<std::uint32_t>(used.size());
@@ -1756,15 +1824,6 @@ private:
         }
         for (const std::uint32_t v : used) new_ids_[v] = no_id;
         return used;
-    }
-
-    [[nodiscard]] error refuse_index(std::uint32_t index, std::size_t vertex_count) const {
-        const bool is_restart = index == 0xff || index == 0xffff || index == 0xffff'ffff;
-        return document_.fail(error_code::out_of_range,
-                              "has index " + std::to_string(index) +
-                                  (is_restart ? " (primitive restart, which glTF forbids)" : "") +
-                                  " in a primitive of " + std::to_string(vertex_count) +
-                                  " vertices");
     }
 
     [[nodiscard]] expected<const gltf_column<float>*> column(
@@ -1815,7 +1874,8 @@ struct gltf_draw {
 [[nodiscard]] inline glm::dmat4 local_matrix(const tinygltf::Node& node) {
     if (node.matrix.size() == 16) {
         glm::dmat4 matrix;
-        for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
+        for (int i = 0; i < 16; ++i)
+            matrix[i / 4][i % 4] = node.matrix[static_cast<std::size_t>(i)];
         return matrix;
     }
     const auto& t = node.translation;
@@ -1883,7 +1943,8 @@ struct gltf_draw {
     std::vector<bool> is_child(model.nodes.size(), false);
     for (const auto& node : model.nodes) {
         for (const int child : node.children) {
-            if (row(model.nodes, child) != nullptr) is_child[static_cast<std::size_t>(child)] = true;
+            if (row(model.nodes, child) != nullptr)
+                is_child[static_cast<std::size_t>(child)] = true;
         }
     }
     std::vector<int> roots;
@@ -1931,7 +1992,8 @@ struct gltf_draw {
         pending.pop_back();
         const std::string what = "node " + std::to_string(next.node);
         const tinygltf::Node* node = row(model.nodes, next.node);
-        if (node == nullptr) return document.fail(error_code::out_of_range, what + " does not exist");
+        if (node == nullptr)
+            return document.fail(error_code::out_of_range, what + " does not exist");
         if (is_visited[static_cast<std::size_t>(next.node)]) {
             return document.fail(error_code::malformed,
                                  what + " is reached twice: the nodes are not a tree");
@@ -1952,8 +2014,9 @@ struct gltf_draw {
                 for (const auto& place : *places) draws.push_back({node->mesh, to_scene * place});
             }
             if (draws.size() > max_draws) {
-                return document.fail(error_code::too_large, "places its meshes more than " +
-                                                                std::to_string(max_draws) + " times");
+                return document.fail(
+                    error_code::too_large,
+                    "places its meshes more than " + std::to_string(max_draws) + " times");
             }
         }
         push(node->children, to_scene);
@@ -1981,8 +2044,8 @@ namespace detail {
 /// Replaces normals without direction by those of the faces around. Gives how many there were.
 inline std::size_t repair_normals(mesh& m) {
     const auto is_bad = [&](std::uint32_t v) { return m.normals[v] == vec3(0); };
-    const auto count = static_cast<std::size_t>(
-        std::count(m.normals.begin(), m.normals.end(), vec3(0)));
+    const auto count =
+        static_cast<std::size_t>(std::count(m.normals.begin(), m.normals.end(), vec3(0)));
     if (count == 0) return 0;
     std::vector<dvec3> sums(m.vertex_count(), dvec3(0));
     for (std::size_t face = 0; face < m.face_count(); ++face) {
@@ -2027,7 +2090,8 @@ public:
 
 private:
     [[nodiscard]] static bool is_read(const tinygltf::Primitive& primitive) {
-        return primitive.mode >= TINYGLTF_MODE_TRIANGLES && primitive.attributes.contains("POSITION");
+        return primitive.mode >= TINYGLTF_MODE_TRIANGLES &&
+               primitive.attributes.contains("POSITION");
     }
 
     /// Refuses what would unfold to more faces than wanted, before anything is decoded.
@@ -2046,9 +2110,9 @@ private:
                     faces += std::min(most, triangle_count(primitive.mode, accessor->count));
                 }
                 if (faces > options_.max_faces) {
-                    return document_.fail(error_code::too_large,
-                                          "claims more than " + std::to_string(options_.max_faces) +
-                                              " faces");
+                    return document_.fail(
+                        error_code::too_large,
+                        "claims more than " + std::to_string(options_.max_faces) + " faces");
                 }
             }
         }
@@ -2092,8 +2156,7 @@ private:
     /// Whether the uncompressed form that the extension allows beside it is missing.
     [[nodiscard]] bool needs_draco(const tinygltf::Primitive& primitive) const {
         if (!primitive.extensions.contains("KHR_draco_mesh_compression")) return false;
-        const auto* positions =
-            row(document_.model.accessors, primitive.attributes.at("POSITION"));
+        const auto* positions = row(document_.model.accessors, primitive.attributes.at("POSITION"));
         return positions != nullptr && positions->bufferView < 0;
     }
 
@@ -2432,12 +2495,14 @@ namespace billow::inline BILLOW_ABI::detail {
     while (rest.size() > 3) {
         const std::size_t count = rest.size();
         std::size_t tried = 0;
-        while (tried < count && !is_ear(rest[at % count], rest[(at + 1) % count], rest[(at + 2) % count])) {
+        while (tried < count &&
+               !is_ear(rest[at % count], rest[(at + 1) % count], rest[(at + 2) % count])) {
             ++at;
             ++tried;
         }
         at %= count;
-        const std::size_t tip = (at + 1) % count;  // no ear at all: a degenerate polygon, cut anyway
+        const std::size_t tip =
+            (at + 1) % count;  // no ear at all: a degenerate polygon, cut anyway
         triangles.push_back({rest[at], rest[tip], rest[(at + 2) % count]});
         rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(tip));
         at = tip < at ? at - 1 : at + 1;
@@ -2575,8 +2640,8 @@ private:
         std::size_t first = 0;
         for (std::size_t face = 0; face < shape.num_face_vertices.size(); ++face) {
             const std::size_t count = shape.num_face_vertices[face];
-            if (auto done = add_polygon({shape.indices.data() + first, count},
-                                        shape.material_ids[face]);
+            if (auto done =
+                    add_polygon({shape.indices.data() + first, count}, shape.material_ids[face]);
                 !done) {
                 return done;
             }
@@ -2593,7 +2658,8 @@ private:
         corners_.clear();
         for (const auto& i : polygon) {
             if (!is_within(i.vertex_index, attributes_.vertices.size(), 3) ||
-                (i.normal_index >= 0 && !is_within(i.normal_index, attributes_.normals.size(), 3)) ||
+                (i.normal_index >= 0 &&
+                 !is_within(i.normal_index, attributes_.normals.size(), 3)) ||
                 (i.texcoord_index >= 0 &&
                  !is_within(i.texcoord_index, attributes_.texcoords.size(), 2))) {
                 return file_error(error_code::out_of_range, file_,
