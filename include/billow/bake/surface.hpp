@@ -161,7 +161,8 @@ public:
         const std::size_t level =
             needs_exact ? 0 : level_for(bound.base_color, cover.uvs, sample_area);
         cover.alpha = &bound.cover[level];
-        cover.is_nearest = level == 0 && cover.map->is_nearest;
+        // The texels of further levels are about as large as a sample: one of them says enough.
+        cover.is_nearest = level > 0 || cover.map->is_nearest;
         if (level > 0 && look.alpha == alpha_mode::mask) {
             cover.decides = face_cover::rule::share;
             cover.factor = 1;

@@ -78,7 +78,11 @@ private:
     double threshold = 0;  // summed over the covered samples
     for (std::size_t i = 0; i < count; ++i) {
         const bool is_solid = look.material_of(parts[i].face).alpha == alpha_mode::opaque;
-        mean.add(shader.at(parts[i].face, parts[i].centre), static_cast<float>(parts[i].samples));
+        // Solids at the centre of the texel, or the nearest point of the face: sharp where a texel
+        // lies across an edge. Of leaves the centre may be a hole.
+        const dvec2 point =
+            is_solid ? dvec2(x + 0.5, y + 0.5) * static_cast<double>(supersample) : parts[i].centre;
+        mean.add(shader.at(parts[i].face, point), static_cast<float>(parts[i].samples));
         threshold += parts[i].samples * (is_solid ? thresholds.solid : thresholds.foliage);
         result.samples += parts[i].samples;
     }

@@ -22,6 +22,7 @@ namespace detail {
 
 /// A coordinate within [0, 1]: where the wrap mode folds it to. NaN becomes 0.
 [[nodiscard]] inline float wrapped(float u, texture_wrap wrap) noexcept {
+    if (u >= 0 && u <= 1) return u;
     if (wrap == texture_wrap::repeat) {
         u -= std::floor(u);
     } else if (wrap == texture_wrap::mirrored_repeat) {
@@ -104,15 +105,17 @@ struct texel_quad {
     return sum;
 }
 
-/// Alpha alone, in [0, 1]: the last of the channels.
+/// Alpha alone, in [0, 1], of an image with one channel.
 [[nodiscard]] inline float sample_alpha(const image& level, const texture& t, const vec2& uv,
                                         bool is_nearest) noexcept {
-    const detail::texel_quad quad = detail::texels_around(level, t, uv, is_nearest);
-    const int last = level.channels - 1;
-    float sum = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-        sum += static_cast<float>(quad.texel[i][last]) * quad.share[i];
+    if (is_nearest) {
+        const int x = detail::texels_at(uv.x, level.width, t.wrap_u, true).a;
+        const int y = detail::texels_at(uv.y, level.height, t.wrap_v, true).a;
+        return static_cast<float>(*level.pixel(x, y)) * (1.0f / 255.0f);
     }
+    const detail::texel_quad quad = detail::texels_around(level, t, uv, false);
+    float sum = 0;
+    for (std::size_t i = 0; i < 4; ++i) sum += static_cast<float>(*quad.texel[i]) * quad.share[i];
     return sum * (1.0f / 255.0f);
 }
 

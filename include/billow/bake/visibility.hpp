@@ -213,8 +213,8 @@ struct texel_part {
     dvec2 centre{0};  ///< their mean position, in samples
 };
 
-/// Groups the S × S samples of the texel in column x and row y by face. Each group is shaded once,
-/// at its centre: sharper than the mean of filtered samples, and cheaper.
+/// Groups the S × S samples of the texel in column x and row y by face, so that each group is shaded
+/// once: sharper than the mean of filtered samples, and cheaper.
 ///
 /// Gives  the number of groups at the front of `parts`.
 inline std::size_t parts_of_texel(
@@ -247,7 +247,7 @@ public:
         for (entry& e : entries_) e.look.face = no_id;
     }
 
-    /// The look at `point` (in samples), with its normal turned to the viewer.
+    /// The look at the point of a face nearest to `point` (in samples, roughly where outside), with its normal turned to the viewer.
     [[nodiscard]] surface_sample at(face_id face, const dvec2& point) noexcept {
         entry& e = entries_[face % entries_.size()];
         if (e.look.face != face) e = entry_of(face);

@@ -102,13 +102,13 @@ struct float_image {
 }
 
 [[nodiscard]] inline image bytes_of(const float_image& from, bool is_srgb) {
-    image to{from.width, from.height, 4, {}};
-    to.bytes.reserve(from.pixels.size() * 4);
+    image to = image::filled(from.width, from.height, 4, 0);
+    std::uint8_t* byte = to.bytes.data();
     for (const auto& p : from.pixels) {
         for (std::size_t c = 0; c < 3; ++c) {
-            to.bytes.push_back(is_srgb ? srgb_byte_from_linear(p[c]) : byte_from_unit(p[c]));
+            *byte++ = is_srgb ? srgb_byte_from_linear(p[c]) : byte_from_unit(p[c]);
         }
-        to.bytes.push_back(byte_from_unit(p[3]));
+        *byte++ = byte_from_unit(p[3]);
     }
     return to;
 }
@@ -124,7 +124,7 @@ struct float_image {
     BILLOW_ASSERT(!source.empty() && source.width > 0 && source.height > 0);
     const bool is_srgb = kind != texel_kind::linear;
     detail::float_image level = detail::float_image_of(source, is_srgb);
-    std::vector<image> chain{detail::bytes_of(level, is_srgb)};
+    std::vector<image> chain{source.channels == 4 ? source : detail::bytes_of(level, is_srgb)};
     while (level.width > 1 || level.height > 1) {
         level = detail::halved(level, kind == texel_kind::srgb_alpha);
         chain.push_back(detail::bytes_of(level, is_srgb));

@@ -30,7 +30,7 @@ struct affine_value {
     double dx = 0;
     double dy = 0;
 
-    [[nodiscard]] double at(double x, double y) const noexcept { return base + dx * x + dy * y; }
+    [[nodiscard]] double at(double x, double y) const noexcept { return base + dy * y + dx * x; }
 };
 
 namespace detail {

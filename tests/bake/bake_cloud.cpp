@@ -1,0 +1,417 @@
+#include <billow/bake/bake_cloud.hpp>
+
+#include <doctest/doctest.h>
+
+#include <billow/bake/cloud_mesh.hpp>
+#include <billow/cloud/fit_billboards.hpp>
+#include <billow/metrics/picture.hpp>
+#include <billow/shapes/box.hpp>
+#include <billow/shapes/leaf_soup.hpp>
+
+namespace {
+
+using namespace billow;
+
+struct baked_scene {
+    billboard_cloud cloud;
+    baked_cloud baked;
+};
+
+/// A cloud of the given planes (relative to the origin); every face goes to the nearest one.
+billboard_cloud cloud_on(const mesh& m, const std::vector<plane>& planes, double epsilon,
+                         double radius) {
+    billboard_cloud cloud;
+    cloud.bounds = {dvec3(0), radius};
+    cloud.epsilon = epsilon;
+    cloud.planes = planes;
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        plane_id best = 0;
+        double least = 1e300;
+        for (plane_id id = 0; id < planes.size(); ++id) {
+            double farthest = 0;
+            for (const vec3& c : m.corners(face)) {
+                farthest = std::max(farthest, std::abs(signed_distance(planes[id], dvec3(c))));
+            }
+            if (farthest < least) {
+                least = farthest;
+                best = id;
+            }
+        }
+        cloud.plane_of_face.push_back(best);
+    }
+    fit_billboards(m, cloud);
+    return cloud;
+}
+
+baked_scene bake(const mesh& m, billboard_cloud cloud, const bake_options& options,
+                 parallel threads = {}) {
+    baked_scene s{std::move(cloud), {}};
+    const auto faces = make_face_table(m);
+    REQUIRE(faces);
+    s.baked = bake_cloud(m, *faces, s.cloud, options, threads);
+    return s;
+}
+
+std::vector<plane> box_planes() {
+    return {{{1, 0, 0}, .5},  {{-1, 0, 0}, .5}, {{0, 1, 0}, .5},
+            {{0, -1, 0}, .5}, {{0, 0, 1}, .5},  {{0, 0, -1}, .5}};
+}
+
+std::vector<plane> three_walls() { return {{{1, 0, 0}, 0}, {{0, 1, 0}, 0}, {{0, 0, 1}, 0}}; }
+
+/// A quad of the given size in the plane z = 0, centred, uv upright.
+mesh quad(float width, float height) {
+    mesh m;
+    m.positions = {{-width / 2, -height / 2, 0},
+                   {width / 2, -height / 2, 0},
+                   {width / 2, height / 2, 0},
+                   {-width / 2, height / 2, 0}};
+    m.uv_sets[0] = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    m.triangles = {{0, 1, 2}, {0, 2, 3}};
+    m.materials = {{.metallic = 0, .is_double_sided = true}};
+    return m;
+}
+
+void give_texture(mesh& m, image picture, alpha_mode alpha = alpha_mode::opaque) {
+    m.images = {std::move(picture)};
+    m.materials[0].base_color_texture = {
+        .image = 0, .wrap_u = texture_wrap::clamp_to_edge, .wrap_v = texture_wrap::clamp_to_edge};
+    m.materials[0].alpha = alpha;
+}
+
+const std::uint8_t* texel_of(const baked_scene& s, const image atlas::*channel, std::size_t i,
+                             int x, int y) {
+    const tile& t = s.baked.tiles[i];
+    const ivec2 at = texel_position(t, x, y);
+    return (s.baked.atlases[t.atlas].*channel).pixel(at.x, at.y);
+}
+
+ivec2 upright(const baked_scene& s) {
+    const tile& t = s.baked.tiles[0];
+    return t.is_rotated ? ivec2(t.height, t.width) : ivec2(t.width, t.height);
+}
+
+double opaque_texels(const baked_scene& s) {
+    double count = 0;
+    for (const atlas& a : s.baked.atlases) {
+        for (std::size_t i = 3; i < a.base_color.bytes.size(); i += 4) {
+            count += a.base_color.bytes[i] == 255;
+        }
+    }
+    return count;
+}
+
+mesh leaves(std::size_t faces) {
+    mesh m = leaf_soup(faces, {.edge = 0.2f});
+    image leaf = image::filled(64, 64, 4, 0);
+    for (int y = 0; y < 64; ++y) {
+        for (int x = 0; x < 64; ++x) {
+            const int dx = 2 * x - 63;
+            const int dy = 2 * y - 63;
+            std::uint8_t* p = leaf.pixel(x, y);
+            p[0] = static_cast<std::uint8_t>(60 + x);
+            p[1] = static_cast<std::uint8_t>(120 + y);
+            p[2] = 30;
+            p[3] = dx * dx + dy * dy < 63 * 63 ? 255 : 0;
+            if (p[3] == 0) p[0] = p[1] = p[2] = 255;  // a background that must not be seen
+        }
+    }
+    m.materials = {{.metallic = 0, .is_double_sided = true}};
+    give_texture(m, leaf, alpha_mode::mask);
+    return m;
+}
+
+}  // namespace
+
+TEST_SUITE("bake/bake_cloud") {
+    TEST_CASE("a flat textured quad bakes to its texture") {
+        random_stream random(1);
+        for (const bool is_tall : {false, true}) {
+            const ivec2 size = is_tall ? ivec2(24, 64) : ivec2(64, 24);
+            image picture = image::filled(size.x, size.y, 4, 255);
+            for (auto& byte : picture.bytes) byte = static_cast<std::uint8_t>(random.unit() * 256);
+            for (std::size_t i = 3; i < picture.bytes.size(); i += 4) picture.bytes[i] = 255;
+            mesh m = quad(static_cast<float>(size.x) / 64, static_cast<float>(size.y) / 64);
+            give_texture(m, picture);
+            const auto s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 128});
+            CHECK(s.baked.texel_size == doctest::Approx(1.0 / 64));
+            for (int y = 0; y < size.y; ++y) {
+                for (int x = 0; x < size.x; ++x) {
+                    const std::uint8_t* baked = texel_of(s, &atlas::base_color, 0, x, y);
+                    REQUIRE(baked[3] == 255);
+                    // Where the quad's diagonal runs, a texel is the mean of its two parts' centres.
+                    const double across = (x + 0.5) / size.x + (y + 0.5) / size.y - 1;
+                    const bool is_split = std::abs(across) < 0.5 / size.x + 0.5 / size.y;
+                    for (int c = 0; c < 3; ++c) {
+                        const int off = std::abs(baked[c] - picture.pixel(x, y)[c]);
+                        REQUIRE(off <= (is_split ? 80 : 1));
+                    }
+                }
+            }
+            CHECK(s.baked.atlases[0].normal.empty());
+            CHECK(s.baked.atlases[0].occlusion_roughness_metallic.empty());
+            CHECK(s.baked.atlases[0].emissive.empty());
+        }
+    }
+
+    TEST_CASE("every texel covers the same square, and the billboard ends with its tile") {
+        const mesh m = leaves(300);
+        const auto before = cloud_on(m, three_walls(), 0.3, 1.1);
+        const auto s = bake(m, before, {.texels = 150});
+        for (std::size_t i = 0; i < 3; ++i) {
+            const billboard& b = s.cloud.billboards[i];
+            const tile& t = s.baked.tiles[i];
+            const double width = t.is_rotated ? t.height : t.width;
+            const double height = t.is_rotated ? t.width : t.height;
+            CHECK(b.width == doctest::Approx(width * s.baked.texel_size));
+            CHECK(b.height == doctest::Approx(height * s.baked.texel_size));
+            CHECK(b.width < before.billboards[i].width + s.baked.texel_size);
+            const auto middle = [](const billboard& a) {
+                return a.origin + a.axes.u * (a.width / 2) + a.axes.v * (a.height / 2);
+            };
+            CHECK(glm::distance(middle(b), middle(before.billboards[i])) < 1e-12);
+        }
+        CHECK(s.baked.texel_size == doctest::Approx(2.2 / 150));
+    }
+
+    TEST_CASE("a tile that does not fit makes all texels coarser") {
+        const mesh m = textured_cube(16);
+        const auto s =
+            bake(m, cloud_on(m, box_planes(), 0.01, 0.9), {.texels = 1000, .max_atlas = 128});
+        CHECK(s.baked.texel_size == doctest::Approx(1.0 / 112));
+        CHECK(s.baked.atlases.size() == 6);
+        for (const atlas& a : s.baked.atlases) CHECK(std::max(a.width(), a.height()) <= 128);
+    }
+
+    TEST_CASE("tiles with their padding do not overlap, alpha is 0 or 255") {
+        const mesh m = leaves(400);
+        const auto s = bake(m, cloud_on(m, three_walls(), 0.3, 1.1), {.texels = 128});
+        for (std::size_t i = 0; i < 3; ++i) {
+            for (std::size_t k = 0; k < i; ++k) {
+                const tile& a = s.baked.tiles[i];
+                const tile& b = s.baked.tiles[k];
+                const bool is_apart = a.x + a.width + 16 <= b.x || b.x + b.width + 16 <= a.x ||
+                                      a.y + a.height + 16 <= b.y || b.y + b.height + 16 <= a.y;
+                CHECK((a.atlas != b.atlas || is_apart));
+            }
+        }
+        bool is_binary = true;
+        for (const atlas& a : s.baked.atlases) {
+            for (std::size_t i = 3; i < a.base_color.bytes.size(); i += 4) {
+                is_binary &= a.base_color.bytes[i] == 0 || a.base_color.bytes[i] == 255;
+            }
+        }
+        CHECK(is_binary);
+        CHECK(opaque_texels(s) > 500);
+    }
+
+    TEST_CASE("no texel anywhere shows the background of the leaf texture") {
+        const mesh m = leaves(200);
+        const auto s = bake(m, cloud_on(m, three_walls(), 0.3, 1.1), {.texels = 256});
+        int brightest_blue = 0;
+        int least_green = 255;
+        for (const atlas& a : s.baked.atlases) {
+            for (std::size_t i = 0; i < a.base_color.bytes.size(); i += 4) {
+                brightest_blue = std::max<int>(brightest_blue, a.base_color.bytes[i + 2]);
+                least_green = std::min<int>(least_green, a.base_color.bytes[i + 1]);
+            }
+        }
+        CHECK(brightest_blue <= 31);
+        CHECK(least_green >= 119);
+    }
+
+    TEST_CASE("a transparent texel of a tile takes its nearest opaque texel") {
+        const mesh m = leaves(60);
+        const auto s = bake(m, cloud_on(m, three_walls(), 0.3, 1.1), {.texels = 64});
+        for (const tile& t : s.baked.tiles) {
+            const image& color = s.baked.atlases[t.atlas].base_color;
+            for (int y = t.y; y < t.y + t.height; ++y) {
+                for (int x = t.x; x < t.x + t.width; ++x) {
+                    int best = 1 << 30;
+                    bool is_same = false;
+                    for (int j = t.y; j < t.y + t.height; ++j) {
+                        for (int i = t.x; i < t.x + t.width; ++i) {
+                            if (color.pixel(i, j)[3] == 0) continue;
+                            const int d = (i - x) * (i - x) + (j - y) * (j - y);
+                            if (d > best) continue;
+                            const bool equal = std::equal(color.pixel(i, j), color.pixel(i, j) + 3,
+                                                          color.pixel(x, y));
+                            is_same = d < best ? equal : (is_same || equal);
+                            best = d;
+                        }
+                    }
+                    REQUIRE(is_same);
+                }
+            }
+        }
+    }
+
+    TEST_CASE("the opaque area is the projected area") {
+        // Discs that do not overlap, tilted against their plane.
+        mesh m = leaves(2);
+        m.positions = {
+            {-0.8f, -0.5f, -0.2f}, {0.8f, -0.5f, 0.2f}, {0.8f, 0.5f, 0.2f}, {-0.8f, 0.5f, -0.2f}};
+        const auto s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.3, 1), {.texels = 256});
+        const double ellipse = std::numbers::pi / 4 * 1.6 * 1.0;
+        const double area = opaque_texels(s) * s.baked.texel_size * s.baked.texel_size;
+        CHECK(area == doctest::Approx(ellipse).epsilon(0.03));
+    }
+
+    TEST_CASE("one, two and three threads give the same bytes") {
+        const mesh m = leaves(500);
+        const auto cloud = cloud_on(m, three_walls(), 0.3, 1.1);
+        const auto a = bake(m, cloud, {.texels = 200}, {1});
+        for (const unsigned threads : {2u, 3u}) {
+            const auto b = bake(m, cloud, {.texels = 200}, {threads});
+            REQUIRE(a.baked.atlases.size() == b.baked.atlases.size());
+            CHECK(a.baked.atlases[0].base_color == b.baked.atlases[0].base_color);
+            CHECK(a.baked.atlases[0].normal == b.baked.atlases[0].normal);
+        }
+    }
+
+    TEST_CASE("baked normals give the scene's normals back, in turned tiles too") {
+        for (const bool is_tall : {false, true}) {
+            mesh m = is_tall ? quad(0.3f, 1.6f) : quad(1.6f, 0.3f);
+            const vec3 tilted = glm::normalize(vec3(0.3f, -0.5f, 0.7f));
+            m.normals.assign(4, tilted);
+            // A second, lying quad makes the packer turn one of the two.
+            mesh other = is_tall ? quad(1.6f, 0.3f) : quad(0.3f, 1.6f);
+            for (const vec3& p : other.positions) m.positions.push_back(p + vec3(0, 0, 0.5f));
+            for (const vec2& uv : other.uv_sets[0]) m.uv_sets[0].push_back(uv);
+            m.normals.insert(m.normals.end(), 4, tilted);
+            m.triangles.push_back({4, 5, 6});
+            m.triangles.push_back({4, 6, 7});
+            const auto s =
+                bake(m, cloud_on(m, {{{0, 0, 1}, 0}, {{0, 0, 1}, 0.5}}, 0.1, 1), {.texels = 64});
+            CHECK(s.baked.tiles[0].is_rotated != s.baked.tiles[1].is_rotated);
+            const mesh cards = cloud_mesh(s.cloud, s.baked);
+            for (std::size_t i = 0; i < 2; ++i) {
+                const std::uint8_t* n = texel_of(s, &atlas::normal, i, 2, 2);
+                CHECK(n[2] >= 128);
+                const vec3 local = vec3(n[0], n[1], n[2]) / 127.5f - 1.0f;
+                const vec3 normal = cards.normals[4 * i];
+                const vec4 tangent = cards.tangents[4 * i];
+                const vec3 bitangent = glm::cross(normal, vec3(tangent)) * tangent.w;
+                const vec3 scene = vec3(tangent) * local.x + bitangent * local.y + normal * local.z;
+                CHECK(glm::distance(scene, tilted) < 0.02f);
+            }
+        }
+    }
+
+    TEST_CASE("normals behind the plane are turned or kept at the horizon") {
+        mesh m = quad(1, 1);
+        m.normals.assign(4, glm::normalize(vec3(0.6f, 0, -0.8f)));
+        auto s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        const std::uint8_t* turned = texel_of(s, &atlas::normal, 0, 3, 3);
+        CHECK(std::abs(turned[0] - 51) <= 1);
+        CHECK(std::abs(turned[2] - 230) <= 1);
+        m.materials[0].is_double_sided = false;
+        s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        const std::uint8_t* kept = texel_of(s, &atlas::normal, 0, 3, 3);
+        CHECK(kept[0] >= 254);
+        CHECK(kept[2] == 128);
+    }
+
+    TEST_CASE("a normal map is carried over, whatever way its uvs are turned") {
+        mesh m = quad(1, 1);
+        m.uv_sets[0] = {{0, 0}, {0, 1}, {1, 1}, {1, 0}};  // u runs up, v to the right
+        image bumps = image::filled(4, 4, 3, 128);
+        for (std::size_t i = 0; i < bumps.bytes.size(); i += 3) {
+            bumps.bytes[i] = 204;  // 0.6 towards +u
+            bumps.bytes[i + 2] = 230;
+        }
+        m.images = {bumps};
+        m.materials[0].normal_texture = {.image = 0};
+        const auto s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        const std::uint8_t* n = texel_of(s, &atlas::normal, 0, 5, 5);
+        CHECK(std::abs(n[0] - 128) <= 1);
+        CHECK(std::abs(n[1] - 204) <= 1);
+    }
+
+    TEST_CASE("valid faces of other planes are drawn too, and enlarge nothing") {
+        mesh m = quad(1, 1);
+        const mesh other = quad(1, 1);
+        for (const vec3& p : other.positions) m.positions.push_back(p + vec3(0.5f, 0, 0.05f));
+        m.uv_sets[0].clear();
+        m.triangles.push_back({4, 5, 6});
+        m.triangles.push_back({4, 6, 7});
+        m.materials = {{.base_color = vec4(1, 0, 0, 1), .metallic = 0},
+                       {.base_color = vec4(0, 1, 0, 1), .metallic = 0}};
+        m.face_materials = {0, 0, 1, 1};
+        auto cloud = cloud_on(m, {{{0, 0, 1}, 0}, {{0, 0, 1}, 0.05}}, 0.1, 1);
+        // The other quad lies above the depth of the mapped faces: clipped.
+        auto s = bake(m, cloud, {.texels = 64});
+        CHECK(texel_of(s, &atlas::base_color, 0, 30, 10)[0] == 255);
+        // Within the depth it covers its half.
+        cloud.billboards[0].depth_high = 0.06;
+        s = bake(m, cloud, {.texels = 64});
+        CHECK(upright(s) == ivec2(32, 32));
+        CHECK(texel_of(s, &atlas::base_color, 0, 10, 10)[0] == 255);
+        CHECK(texel_of(s, &atlas::base_color, 0, 30, 10)[1] == 255);
+        s = bake(m, cloud, {.texels = 64, .max_extra_angle = 0});
+        CHECK(texel_of(s, &atlas::base_color, 0, 30, 10)[0] == 255);
+    }
+
+    TEST_CASE("channels carry roughness, metal and glow where there are any") {
+        mesh m = quad(1, 1);
+        m.materials[0].roughness = 0.4f;
+        m.materials[0].metallic = 0.8f;
+        m.materials[0].emissive = vec3(0, 1, 0);
+        const auto s = bake(m, cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        const std::uint8_t* orm = texel_of(s, &atlas::occlusion_roughness_metallic, 0, 4, 4);
+        CHECK(orm[0] == 255);
+        CHECK(orm[1] == 102);
+        CHECK(orm[2] == 204);
+        CHECK(texel_of(s, &atlas::emissive, 0, 4, 4)[1] == 255);
+        const mesh cards = cloud_mesh(s.cloud, s.baked);
+        CHECK(cards.materials[0].metallic == 1);
+        CHECK(cards.materials[0].emissive == vec3(1));
+    }
+
+    TEST_CASE("a sparse or hair-thin tile keeps at least one texel") {
+        mesh thin = quad(1, 1e-6f);
+        auto s = bake(thin, cloud_on(thin, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        CHECK(opaque_texels(s) >= 1);
+        mesh faint = quad(1, 1);
+        give_texture(faint, image::filled(4, 4, 4, 40), alpha_mode::blend);
+        s = bake(faint, cloud_on(faint, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        CHECK(opaque_texels(s) == 1);
+        mesh point = quad(1e-7f, 1e-7f);
+        s = bake(point, cloud_on(point, {{{0, 0, 1}, 0}}, 0.1, 1), {.texels = 32});
+        CHECK(s.baked.tiles[0].width == 1);
+        CHECK(opaque_texels(s) == 1);
+    }
+
+    TEST_CASE("no faces give no atlas") {
+        const mesh none;
+        const auto s = bake(none, {}, {});
+        CHECK(s.baked.atlases.empty());
+        CHECK(cloud_mesh(s.cloud, s.baked).face_count() == 0);
+    }
+
+    TEST_CASE("the cloud of a textured cube looks like the cube") {
+        const mesh cube = textured_cube(64);
+        const bounding_sphere bounds{dvec3(0), 0.8661};
+        const auto s =
+            bake(cube, cloud_on(cube, box_planes(), 0.01, bounds.radius), {.texels = 512});
+        const mesh cards = cloud_mesh(s.cloud, s.baked);
+        for (const dvec3 from :
+             {dvec3(1, 1, 1), dvec3(-1, 0.3, 2), dvec3(0.2, -1, -0.7), dvec3(0, 0, 1),
+              dvec3(-1, 0, 0), dvec3(0, 1, 0), dvec3(0, -1, 0)}) {
+            const auto view = view_of(bounds, from, 200, 200);
+            const image a = draw_picture(cube, view);
+            const image b = draw_picture(cards, view);
+            double sum = 0;
+            int differing = 0;
+            for (std::size_t i = 0; i < a.bytes.size(); ++i) {
+                const int d = std::abs(a.bytes[i] - b.bytes[i]);
+                sum += d;
+                differing += d > 24;
+            }
+            CAPTURE(from.x);
+            CAPTURE(from.y);
+            CHECK(sum / static_cast<double>(a.bytes.size()) < 0.5);
+            CHECK(differing < 0.01 * static_cast<double>(a.bytes.size()));
+        }
+    }
+}

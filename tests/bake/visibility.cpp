@@ -1,0 +1,158 @@
+#include <billow/bake/visibility.hpp>
+
+#include <doctest/doctest.h>
+
+namespace {
+
+using namespace billow;
+
+/// The square [0, 1]² in the plane z, as two triangles.
+void add_square(mesh& m, float z) {
+    const auto first = static_cast<std::uint32_t>(m.positions.size());
+    m.positions.insert(m.positions.end(), {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
+    m.uv_sets[0].insert(m.uv_sets[0].end(), {{0, 1}, {1, 1}, {1, 0}, {0, 0}});
+    m.triangles.push_back({first, first + 1, first + 2});
+    m.triangles.push_back({first, first + 2, first + 3});
+}
+
+/// Draws a mesh over a grid of `size` samples a side; gives the share that is covered.
+double covered_share(const mesh& m, int size, int supersample = 4) {
+    const surface look(m);
+    visibility_buffer buffer(supersample);
+    buffer.start({0, 0, size, size});
+    const orthographic_view view{{}, {0, 1, 0}, 1.0 / size};
+    for (face_id f = 0; f < m.face_count(); ++f) buffer.draw(look, view, f, {});
+    int covered = 0;
+    for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) covered += buffer.faces_of_row(y)[x] != no_id;
+    }
+    return static_cast<double>(covered) / (size * size);
+}
+
+mesh textured_square(image picture, alpha_mode alpha) {
+    mesh m;
+    add_square(m, 0);
+    m.images = {std::move(picture)};
+    m.materials = {{.base_color_texture = {.image = 0}, .alpha = alpha}};
+    return m;
+}
+
+}  // namespace
+
+TEST_SUITE("bake/visibility") {
+    TEST_CASE("the greatest height wins, then the lowest face") {
+        mesh m;
+        add_square(m, 0);
+        add_square(m, 0.5f);
+        add_square(m, 0.5f);
+        const surface look(m);
+        visibility_buffer buffer;
+        buffer.start({0, 0, 8, 8});
+        const orthographic_view view{{}, {0, 1, 0}, 1.0 / 8};
+        for (face_id f = 0; f < 6; ++f) buffer.draw(look, view, f, {});
+        for (int y = 0; y < 8; ++y) {
+            for (int x = 0; x < 8; ++x) {
+                const face_id face = buffer.faces_of_row(y)[x];
+                CHECK((face == 2 || face == 3));
+            }
+        }
+        buffer.start({0, 0, 8, 8});
+        for (face_id f = 0; f < 6; ++f) buffer.draw(look, view, f, {-0.1, 0.4});
+        CHECK(buffer.faces_of_row(3)[6] < 2);
+    }
+
+    TEST_CASE("a sloped face is cut where the range ends") {
+        mesh m;
+        add_square(m, 0);
+        m.positions[1].z = m.positions[2].z = 1;  // height = x
+        const surface look(m);
+        visibility_buffer buffer;
+        buffer.start({0, 0, 64, 64});
+        for (face_id f = 0; f < 2; ++f) {
+            buffer.draw(look, {{}, {0, 1, 0}, 1.0 / 64}, f, {0.25, 0.75});
+        }
+        for (int x = 0; x < 64; ++x) {
+            CHECK((buffer.faces_of_row(20)[x] != no_id) == (x >= 16 && x < 48));
+        }
+    }
+
+    TEST_CASE("blended alpha covers its share of the samples") {
+        for (int alpha = 0; alpha <= 255; alpha += 15) {
+            image picture = image::filled(2, 2, 4, static_cast<std::uint8_t>(alpha));
+            const double share = covered_share(textured_square(picture, alpha_mode::blend), 64, 4);
+            CHECK(std::abs(share - alpha / 255.0) < 0.04);
+        }
+        mesh m = textured_square(image::filled(1, 1, 4, 255), alpha_mode::blend);
+        m.materials[0].base_color.w = 0.5f;
+        m.colors.assign(4, vec4(1, 1, 1, 0.5f));
+        CHECK(std::abs(covered_share(m, 64) - 0.25) < 0.02);
+    }
+
+    TEST_CASE("of two half-transparent faces the lower shows through") {
+        mesh m = textured_square(image::filled(1, 1, 4, 128), alpha_mode::blend);
+        m.triangles.pop_back();
+        m.triangles.push_back({0, 1, 2});
+        const double one = covered_share(m, 64);
+        m.triangles.pop_back();
+        CHECK(one > covered_share(m, 64) * 1.2);
+    }
+
+    TEST_CASE("opaque materials ignore alpha, masks compare it with the cutoff") {
+        image picture = image::filled(2, 2, 4, 100);
+        CHECK(covered_share(textured_square(picture, alpha_mode::opaque), 32) == 1);
+        mesh m = textured_square(picture, alpha_mode::mask);
+        CHECK(covered_share(m, 32) == 0);
+        m.materials[0].alpha_cutoff = 0.39f;
+        CHECK(covered_share(m, 32) == 1);
+        m.materials[0].base_color.w = 0.9f;
+        CHECK(covered_share(m, 32) == 0);
+        m.materials[0].base_color.w = 1;
+        m.colors.assign(4, vec4(1, 1, 1, 0.9f));
+        CHECK(covered_share(m, 32) == 0);
+    }
+
+    TEST_CASE("a fine mask seen from afar keeps its covered share") {
+        // Bars of one texel in five, as needles are. Mean alpha (0.2) would fail the cutoff
+        // everywhere; point samples at level 0 would hit all bars or none at unlucky sizes.
+        image bars = image::filled(640, 640, 4, 0);
+        for (int y = 0; y < 640; ++y) {
+            for (int x = 0; x < 640; x += 5) bars.pixel(x, y)[3] = 255;
+        }
+        const mesh m = textured_square(bars, alpha_mode::mask);
+        for (const int size : {16, 32, 64, 96, 128}) {
+            CAPTURE(size);
+            CHECK(std::abs(covered_share(m, size) - 0.2) < 0.06);
+        }
+        CHECK(std::abs(covered_share(m, 640) - 0.2) < 0.06);
+    }
+
+    TEST_CASE("bayer thresholds are spread evenly") {
+        for (int side = 1; side <= max_supersample; ++side) {
+            const detail::dither_matrix dither(side);
+            std::vector<float> values;
+            for (int y = 0; y < side; ++y) {
+                for (int x = 0; x < side; ++x) values.push_back(dither.threshold(x, y, 7));
+            }
+            std::sort(values.begin(), values.end());
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                CHECK(values[i] == doctest::Approx((static_cast<double>(i) + 0.5) /
+                                                   static_cast<double>(values.size())));
+            }
+        }
+    }
+
+    TEST_CASE("the samples of a texel are grouped by face") {
+        mesh m;
+        add_square(m, 0);
+        const surface look(m);
+        visibility_buffer buffer(4);
+        buffer.start({0, 0, 4, 4});
+        for (face_id f = 0; f < 2; ++f) buffer.draw(look, {{}, {0, 1, 0}, 0.25}, f, {});
+        std::array<texel_part, max_supersample * max_supersample> parts;
+        REQUIRE(parts_of_texel(buffer, 0, 0, 4, parts) == 2);
+        CHECK(parts[0].samples + parts[1].samples == 16);
+        const dvec2 centre = parts[0].centre * (parts[0].samples / 16.0) +
+                             parts[1].centre * (parts[1].samples / 16.0);
+        CHECK(glm::distance(centre, dvec2(2, 2)) < 1e-12);
+    }
+}
