@@ -3929,7 +3929,9 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
                        density_change change = density_change::add, parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
-    threads.for_chunks(cells.size(), 8, [&](std::size_t begin, std::size_t end) {
+    // Starting threads for a few faces costs more than the faces.
+    const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);
@@ -4397,8 +4399,22 @@ public:
             faces, std::span<const orientation_cell>(cells),
             density_policies{policies_.validity, policies_.contribution, no_penalty{}}, epsilon_,
             grid, density_change::add, threads_);
-        const dense_bin best = densest_bin(
-            grid, [](std::size_t, double contribution, double) { return contribution; });
+        // Where several are fully covered, the one nearest to the middle: the first would drift to
+        // the rim of the planes that serve all, where their centres do not.
+        dense_bin best{.density = -1};
+        double nearest = 0;
+        for (std::size_t row = 0; row < grid.row_count(); ++row) {
+            const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
+            grid.for_each_bin(row, [&](int at, std::int64_t contribution, std::int64_t) {
+                const double density = static_cast<double>(contribution) / grid.scale();
+                const double up = 2 * at + 1 - per_axis_;
+                const double distance = glm::dot(aside, aside) + up * up;
+                if (density > best.density || (density == best.density && distance < nearest)) {
+                    best = {row, at, density, density};
+                    nearest = distance;
+                }
+            });
+        }
         const double low = grid.axis().origin + best.bin * spacing;
         return {{patches[best.row], low, low + spacing}, best.density};
     }
@@ -5617,8 +5633,8 @@ struct texel_part {
     dvec2 centre{0};  ///< their mean position, in samples
 };
 
-/// Groups the S × S samples of the texel in column x and row y by face. Each group is shaded once,
-/// at its centre: sharper than the mean of filtered samples, and cheaper.
+/// Groups the S × S samples of the texel in column x and row y by face, so that each group is shaded
+/// once: sharper than the mean of filtered samples, and cheaper.
 ///
 /// Gives  the number of groups at the front of `parts`.
 inline std::size_t parts_of_texel(
@@ -5651,7 +5667,7 @@ public:
         for (entry& e : entries_) e.look.face = no_id;
     }
 
-    /// The look at `point` (in samples), with its normal turned to the viewer.
+    /// The look at the point of a face nearest to `point` (in samples, roughly where outside), with its normal turned to the viewer.
     [[nodiscard]] surface_sample at(face_id face, const dvec2& point) noexcept {
         entry& e = entries_[face % entries_.size()];
         if (e.look.face != face) e = entry_of(face);
@@ -6200,7 +6216,11 @@ private:
     double threshold = 0;  // summed over the covered samples
     for (std::size_t i = 0; i < count; ++i) {
         const bool is_solid = look.material_of(parts[i].face).alpha == alpha_mode::opaque;
-        mean.add(shader.at(parts[i].face, parts[i].centre), static_cast<float>(parts[i].samples));
+        // Solids at the centre of the texel, or the nearest point of the face: sharp where a texel
+        // lies across an edge. Of leaves the centre may be a hole.
+        const dvec2 point =
+            is_solid ? dvec2(x + 0.5, y + 0.5) * static_cast<double>(supersample) : parts[i].centre;
+        mean.add(shader.at(parts[i].face, point), static_cast<float>(parts[i].samples));
         threshold += parts[i].samples * (is_solid ? thresholds.solid : thresholds.foliage);
         result.samples += parts[i].samples;
     }
