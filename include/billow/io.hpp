@@ -26,11 +26,13 @@
 #include <tiny_obj_loader.h>
 #undef TINYOBJLOADER_IMPLEMENTATION
 
+// tinygltf would include it with hidden visibility.
+#include <nlohmann/json.hpp>
+
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #define TINYGLTF_IMPLEMENTATION
 #include <tiny_gltf.h>
-#include <nlohmann/json.hpp>  // first, since tinygltf would include it with hidden visibility
 #undef TINYGLTF_IMPLEMENTATION
 #endif
 
