@@ -59,7 +59,7 @@ TEST_SUITE("density/rasterize") {
             for (std::size_t f = 0; f < faces.size; ++f) {
                 const auto face = load_faces<float>(faces, f);
                 const auto valid =
-                    hull_of_corners{}(face, cell_lanes<float>(cells[row]), float(epsilon));
+                    hull_of_samples{}(face, cell_lanes<float>(cells[row]), float(epsilon));
                 if (valid.low > valid.high) continue;
                 const double worth =
                     double(projected_area{}(face, fill_lanes<float>(cells[row].centre)));
@@ -103,7 +103,7 @@ TEST_SUITE("density/rasterize") {
         for (std::size_t row = 0; row < cells.size(); ++row) {
             const auto face = load_faces<float>(one, 0);
             const auto valid =
-                hull_of_corners{}(face, cell_lanes<float>(cells[row]), float(epsilon));
+                hull_of_samples{}(face, cell_lanes<float>(cells[row]), float(epsilon));
             if (valid.low > valid.high) continue;
             const offset_axis axis = grid.axis();
             const double from = std::max(double(valid.low), axis.origin);

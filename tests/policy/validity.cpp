@@ -70,7 +70,7 @@ TEST_SUITE("policy/validity") {
                              const orientation_patch& patch, const orientation_cell& cell) {
             const auto face = load_faces<float>(faces, row);
             const cell_lanes<float> lanes(cell);
-            const auto a = hull_of_corners{}(face, lanes, eps);
+            const auto a = hull_of_samples{}(face, lanes, eps);
             const auto b = intersection_of_vertices{}(face, lanes, eps);
             const auto c = widened_centre{}(face, lanes, eps);
             if (a.low <= a.high) {
@@ -95,7 +95,7 @@ TEST_SUITE("policy/validity") {
         for_random_pairs([&](const face_table& faces, std::size_t row, const cube_map&,
                              const orientation_patch&, const orientation_cell& cell) {
             const auto a =
-                hull_of_corners{}(load_faces<float>(faces, row), cell_lanes<float>(cell), eps);
+                hull_of_samples{}(load_faces<float>(faces, row), cell_lanes<float>(cell), eps);
             bool is_valid_somewhere = false;
             for (const vec3& corner : cell.corner) {
                 const auto at = exact(faces, row, dvec3(corner));

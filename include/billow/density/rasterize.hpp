@@ -22,7 +22,7 @@
 namespace billow::inline BILLOW_ABI {
 
 /// The policies that make a density.
-template <class Validity = hull_of_corners, class Contribution = projected_area,
+template <class Validity = hull_of_samples, class Contribution = projected_area,
           class Penalty = inner_side_penalty>
 struct density_policies {
     Validity validity{};
@@ -160,7 +160,9 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
                        density_change change = density_change::add, parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
-    threads.for_chunks(cells.size(), 8, [&](std::size_t begin, std::size_t end) {
+    // Starting threads for a few faces costs more than the faces.
+    const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);

@@ -11,6 +11,7 @@ namespace billow::inline BILLOW_ABI {
 /// The area-weighted mean of the faces' normals, through the mean of their centroids. Normals are
 /// first turned to the side of the start plane's, else the two sides of a leaf would cancel out.
 struct average_fit {
+    static constexpr bool allows_less_contribution = false;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         dvec3 normal{0};
         dvec3 centroid{0};

@@ -18,6 +18,7 @@ namespace billow::inline BILLOW_ABI {
 /// line. Differs from eq 3.13 and 3.14 by the normalisation of (-s, -t, 1), which they omit, and by
 /// centring x and y, since the condition of the normal equations is squared.
 struct least_squares_fit {
+    static constexpr bool allows_less_contribution = true;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         if (faces.size == 0) return start;
         const frame axes = frame_around(start.normal);

@@ -15,6 +15,7 @@ namespace billow::inline BILLOW_ABI {
 /// by area raise the largest error (Luksch 2009, section 3.3). Keeps the normal when the corners lie
 /// on a line or show no direction.
 struct svd_fit {
+    static constexpr bool allows_less_contribution = true;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         if (faces.size == 0) return start;
         dvec3 mean{0};

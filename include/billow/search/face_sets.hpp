@@ -21,7 +21,7 @@ template <class Predicate>
 [[nodiscard]] face_rows filter_rows(const face_table& faces, const Predicate& predicate,
                                     parallel threads = {}) {
     using V = simd::wide;
-    constexpr std::size_t chunk = 8192;
+    static constexpr std::size_t chunk = 8192;
     std::vector<float> keeps(faces.padded_size());
     std::vector<std::size_t> counts((faces.padded_size() + chunk - 1) / chunk + 1);
     threads.for_chunks(faces.padded_size(), chunk, [&](std::size_t begin, std::size_t end) {
@@ -30,7 +30,7 @@ template <class Predicate>
         }
         std::size_t count = 0;
         for (std::size_t row = begin; row < std::min(end, faces.size); ++row) {
-            count += keeps[row] > 0 ? 1 : 0;
+            if (keeps[row] > 0) ++count;
         }
         counts[begin / chunk + 1] = count;
     });

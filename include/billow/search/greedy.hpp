@@ -207,8 +207,8 @@ private:
         return taken;
     }
 
-    /// Moves the plane to its faces, if all of them stay valid and their contribution does not fall;
-    /// then takes the faces that have become valid too. Source: Fuhrmann et al. 2005, section 3.3.3.
+    /// Moves the plane to its faces, if all of them stay valid; then takes the faces that have become
+    /// valid too. Source: Fuhrmann et al. 2005, section 3.3.3.
     void tweak(plane& found, face_rows& taken) {
         const face_table faces = select_rows(remaining_, taken, threads_);
         const plane moved = fitter_(faces, found);
@@ -216,10 +216,10 @@ private:
         face_rows all(faces.size);
         std::iota(all.begin(), all.end(), 0u);
         if (faces_valid_for(faces, moved, epsilon_, threads_).size() != faces.size) return;
-        const auto worth = [&](const plane& p) {
+        const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
-        if (worth(moved) < worth(found)) return;
+        if (!Fitter::allows_less_contribution && contribution(moved) < contribution(found)) return;
         found = moved;
         taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         ++result_.statistics.tweaks;

@@ -92,8 +92,22 @@ public:
             faces, std::span<const orientation_cell>(cells),
             density_policies{policies_.validity, policies_.contribution, no_penalty{}}, epsilon_,
             grid, density_change::add, threads_);
-        const dense_bin best = densest_bin(
-            grid, [](std::size_t, double contribution, double) { return contribution; });
+        // Where several are fully covered, the one nearest to the middle: the first would drift to
+        // the rim of the planes that serve all, where their centres do not.
+        dense_bin best{.density = -1};
+        double nearest = 0;
+        for (std::size_t row = 0; row < grid.row_count(); ++row) {
+            const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
+            grid.for_each_bin(row, [&](int at, std::int64_t contribution, std::int64_t) {
+                const double density = static_cast<double>(contribution) / grid.scale();
+                const double up = 2 * at + 1 - per_axis_;
+                const double distance = glm::dot(aside, aside) + up * up;
+                if (density > best.density || (density == best.density && distance < nearest)) {
+                    best = {row, at, density, density};
+                    nearest = distance;
+                }
+            });
+        }
         const double low = grid.axis().origin + best.bin * spacing;
         return {{patches[best.row], low, low + spacing}, best.density};
     }
