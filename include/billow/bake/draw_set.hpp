@@ -27,6 +27,12 @@ struct drawn_face {
     face_id face = no_id;
     std::uint16_t first_band = 0;
     std::uint16_t last_band = 0;
+    float height = 0;  ///< greatest distance of a corner along the normal
+
+    /// Front to back, and by id among equals.
+    friend bool operator<(const drawn_face& a, const drawn_face& b) noexcept {
+        return a.height != b.height ? a.height > b.height : a.face < b.face;
+    }
 };
 
 /// What is drawn, and where, on one billboard.
@@ -42,10 +48,12 @@ struct draw_target {
     const draw_target& target, face_id face, const std::array<dvec3, 3>& corners) noexcept {
     dvec2 low{std::numeric_limits<double>::infinity()};
     dvec2 high = -low;
+    double height = -low.x;
     for (const dvec3& corner : corners) {
-        const dvec2 p(target.view.project(corner));
-        low = glm::min(low, p - 1.0);  // a sample more each way, as corners may be rounded
-        high = glm::max(high, p + 1.0);
+        const dvec3 p = target.view.project(corner);
+        low = glm::min(low, dvec2(p) - 1.0);  // a sample more each way, as corners may be rounded
+        high = glm::max(high, dvec2(p) + 1.0);
+        height = std::max(height, p.z);
     }
     if (!(high.x >= 0 && low.x <= target.columns && high.y >= 0 && low.y <= target.rows)) {
         return std::nullopt;
@@ -54,10 +62,10 @@ struct draw_target {
         const int row = static_cast<int>(std::clamp(y, 0.0, target.rows - 1.0));
         return static_cast<std::uint16_t>(row / target.band_rows);
     };
-    return drawn_face{face, band_of(low.y), band_of(high.y)};
+    return drawn_face{face, band_of(low.y), band_of(high.y), static_cast<float>(height)};
 }
 
-/// The faces of each billboard, in ascending order.
+/// The faces of each billboard, front to back.
 class draw_sets {
 public:
     /// Faces that reach into the rectangle of a target and are either mapped to its plane, or valid
@@ -82,6 +90,8 @@ public:
         threads.for_chunks(planes, 1, [&](std::size_t plane, std::size_t) {
             std::size_t at = begin_[plane];
             sweep(static_cast<plane_id>(plane), [&](const drawn_face& f) { drawn_[at++] = f; });
+            std::sort(drawn_.begin() + static_cast<std::ptrdiff_t>(begin_[plane]),
+                      drawn_.begin() + static_cast<std::ptrdiff_t>(begin_[plane + 1]));
         });
     }
 

@@ -87,8 +87,8 @@ private:
 
 }  // namespace detail
 
-/// Nearest face and its depth for a window of samples. Faces are drawn one after the other; of two
-/// at the same depth the one drawn first stays, so draw in ascending order of ids.
+/// Nearest face and its depth for a window of samples. Of two faces at the same depth the one of
+/// lower id is seen, so the order of drawing does not matter; front to back is fastest.
 class visibility_buffer {
 public:
     /// Sample columns and rows of the dither pattern: the samples per texel side.
@@ -132,16 +132,19 @@ public:
         const affine_value a = interpolated([&](std::size_t i) { return cover.vertex_alpha[i]; });
         const auto shift = static_cast<std::uint32_t>(mix_bits(face));
         triangle.for_each_row(window_, [&](int y, int begin, int end) {
-            draw_row(y, begin, end, face, depth, [&](int x) {
+            const row_value row_u(u, begin, y);
+            const row_value row_v(v, begin, y);
+            const row_value row_a(a, begin, y);
+            draw_row(y, begin, end, face, depth, [&](int step) {
                 float alpha = cover.factor;
-                if (cover.has_vertex_alpha) alpha *= static_cast<float>(a.at(x, y));
+                if (cover.has_vertex_alpha) alpha *= row_a.at(step);
                 if (cover.alpha != nullptr) {
-                    const vec2 uv(u.at(x, y), v.at(x, y));
+                    const vec2 uv(row_u.at(step), row_v.at(step));
                     alpha *= sample_alpha(*cover.alpha, *cover.map, uv, cover.is_nearest);
                 }
                 return alpha >= (cover.decides == face_cover::rule::cutoff
                                      ? cover.cutoff
-                                     : dither_.threshold(x, y, shift));
+                                     : dither_.threshold(begin + step, y, shift));
             });
         });
     }
@@ -153,30 +156,38 @@ public:
     }
 
 private:
+    /// A value along a row, in floats from its first sample on.
+    struct row_value {
+        float first;
+        float across;
+
+        row_value(const affine_value& of, int x, int y) noexcept
+            : first(static_cast<float>(of.at(x, y))), across(static_cast<float>(of.dx)) {}
+        [[nodiscard]] float at(int step) const noexcept {
+            return first + across * static_cast<float>(step);
+        }
+    };
+
     /// Depth over a face, kept within the depths of its corners: slivers must not shoot out.
     struct fragment_depth {
         affine_value plane{};
-        double low = 0;  ///< of the corners
-        double high = 0;
-        depth_range kept{};
+        float low = 0;  ///< of the corners
+        float high = 0;
+        float kept_low = 0;
+        float kept_high = 0;
         bool is_clipped = false;
 
         fragment_depth(const raster_triangle& triangle, const std::array<dvec3, 3>& p,
                        const depth_range& range) noexcept
             : plane(triangle.interpolate(p[0].z, p[1].z, p[2].z)),
-              low(std::min({p[0].z, p[1].z, p[2].z})),
-              high(std::max({p[0].z, p[1].z, p[2].z})),
-              kept(range),
-              is_clipped(low < range.low || high > range.high) {}
+              low(static_cast<float>(std::min({p[0].z, p[1].z, p[2].z}))),
+              high(static_cast<float>(std::max({p[0].z, p[1].z, p[2].z}))),
+              kept_low(static_cast<float>(range.low)),
+              kept_high(static_cast<float>(range.high)),
+              is_clipped(low < kept_low || high > kept_high) {}
 
         [[nodiscard]] bool is_outside() const noexcept {
-            return high < kept.low || low > kept.high;
-        }
-        [[nodiscard]] double at(int x, int y) const noexcept {
-            return std::clamp(plane.at(x, y), low, high);
-        }
-        [[nodiscard]] bool keeps(double value) const noexcept {
-            return !is_clipped || (value >= kept.low && value <= kept.high);
+            return high < kept_low || low > kept_high;
         }
     };
 
@@ -187,15 +198,21 @@ private:
     template <class IsThere>
     void draw_row(int y, int begin, int end, face_id face, const fragment_depth& depth,
                   const IsThere& is_there) noexcept {
-        const std::size_t offset = row_offset(y);
-        for (int x = begin; x < end; ++x) {
-            const double exact = depth.at(x, y);
-            const auto value = static_cast<float>(exact);
-            const std::size_t at = offset + static_cast<std::size_t>(x - window_.x_begin);
-            if (value > depths_[at] && depth.keeps(exact) && is_there(x)) {
-                depths_[at] = value;
-                faces_[at] = face;
+        const std::size_t offset =
+            row_offset(y) + static_cast<std::size_t>(begin - window_.x_begin);
+        float* depths = depths_.data() + offset;
+        face_id* faces = faces_.data() + offset;
+        const row_value height(depth.plane, begin, y);
+        for (int step = 0; step < end - begin; ++step) {
+            const float value = std::clamp(height.at(step), depth.low, depth.high);
+            if (!(value >= depths[step])) continue;
+            if (value == depths[step] && face > faces[step]) continue;
+            if (depth.is_clipped && !(value >= depth.kept_low && value <= depth.kept_high)) {
+                continue;
             }
+            if (!is_there(step)) continue;
+            depths[step] = value;
+            faces[step] = face;
         }
     }
 

@@ -87,6 +87,7 @@ struct picture_scratch {
             faces.push_back(*drawn);
         }
     }
+    std::sort(faces.begin(), faces.end());
 
     const surface look(source);
     const vec3 toward_viewer(from.axes.normal);
