@@ -1877,16 +1877,18 @@ static_assert(plane_space<spherical>);
 namespace billow::inline BILLOW_ABI {
 
 /// Proposes a plane for all rows of `faces`, starting from `start`, whose normal has length 1. Gives
-/// `start` where the faces determine none. Need not respect epsilon: the caller
-/// checks.
+/// `start` where the faces determine none. Need not respect epsilon: the caller checks, and where
+/// allows_less_contribution is false also that the faces' contribution does not fall.
 template <class F>
 concept plane_fitter = std::copyable<F> &&
     requires(const F& fit, const face_table& faces, const plane& start) {
     { fit(faces, start) } -> std::same_as<plane>;
+    { F::allows_less_contribution } -> std::convertible_to<bool>;
 };
 
 /// Keeps the plane.
 struct no_fit {
+    static constexpr bool allows_less_contribution = false;
     [[nodiscard]] plane operator()(const face_table&, const plane& start) const { return start; }
 };
 static_assert(plane_fitter<no_fit>);
@@ -1898,6 +1900,7 @@ namespace billow::inline BILLOW_ABI {
 /// The area-weighted mean of the faces' normals, through the mean of their centroids. Normals are
 /// first turned to the side of the start plane's, else the two sides of a leaf would cancel out.
 struct average_fit {
+    static constexpr bool allows_less_contribution = false;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         dvec3 normal{0};
         dvec3 centroid{0};
@@ -1936,6 +1939,7 @@ namespace billow::inline BILLOW_ABI {
 /// line. Differs from eq 3.13 and 3.14 by the normalisation of (-s, -t, 1), which they omit, and by
 /// centring x and y, since the condition of the normal equations is squared.
 struct least_squares_fit {
+    static constexpr bool allows_less_contribution = true;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         if (faces.size == 0) return start;
         const frame axes = frame_around(start.normal);
@@ -1986,6 +1990,7 @@ namespace billow::inline BILLOW_ABI {
 /// by area raise the largest error (Luksch 2009, section 3.3). Keeps the normal when the corners lie
 /// on a line or show no direction.
 struct svd_fit {
+    static constexpr bool allows_less_contribution = true;
     [[nodiscard]] plane operator()(const face_table& faces, const plane& start) const {
         if (faces.size == 0) return start;
         dvec3 mean{0};
@@ -4659,8 +4664,8 @@ private:
         return taken;
     }
 
-    /// Moves the plane to its faces, if all of them stay valid and their contribution does not fall;
-    /// then takes the faces that have become valid too. Source: Fuhrmann et al. 2005, section 3.3.3.
+    /// Moves the plane to its faces, if all of them stay valid; then takes the faces that have become
+    /// valid too. Source: Fuhrmann et al. 2005, section 3.3.3.
     void tweak(plane& found, face_rows& taken) {
         const face_table faces = select_rows(remaining_, taken, threads_);
         const plane moved = fitter_(faces, found);
@@ -4668,10 +4673,10 @@ private:
         face_rows all(faces.size);
         std::iota(all.begin(), all.end(), 0u);
         if (faces_valid_for(faces, moved, epsilon_, threads_).size() != faces.size) return;
-        const auto worth = [&](const plane& p) {
+        const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
-        if (worth(moved) < worth(found)) return;
+        if (!Fitter::allows_less_contribution && contribution(moved) < contribution(found)) return;
         found = moved;
         taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         ++result_.statistics.tweaks;
@@ -5507,8 +5512,8 @@ private:
 
 }  // namespace detail
 
-/// Nearest face and its depth for a window of samples. Faces are drawn one after the other; of two
-/// at the same depth the one drawn first stays, so draw in ascending order of ids.
+/// Nearest face and its depth for a window of samples. Of two faces at the same depth the one of
+/// lower id is seen, so the order of drawing does not matter; front to back is fastest.
 class visibility_buffer {
 public:
     /// Sample columns and rows of the dither pattern: the samples per texel side.
@@ -5552,16 +5557,19 @@ public:
         const affine_value a = interpolated([&](std::size_t i) { return cover.vertex_alpha[i]; });
         const auto shift = static_cast<std::uint32_t>(mix_bits(face));
         triangle.for_each_row(window_, [&](int y, int begin, int end) {
-            draw_row(y, begin, end, face, depth, [&](int x) {
+            const row_value row_u(u, begin, y);
+            const row_value row_v(v, begin, y);
+            const row_value row_a(a, begin, y);
+            draw_row(y, begin, end, face, depth, [&](int step) {
                 float alpha = cover.factor;
-                if (cover.has_vertex_alpha) alpha *= static_cast<float>(a.at(x, y));
+                if (cover.has_vertex_alpha) alpha *= row_a.at(step);
                 if (cover.alpha != nullptr) {
-                    const vec2 uv(u.at(x, y), v.at(x, y));
+                    const vec2 uv(row_u.at(step), row_v.at(step));
                     alpha *= sample_alpha(*cover.alpha, *cover.map, uv, cover.is_nearest);
                 }
                 return alpha >= (cover.decides == face_cover::rule::cutoff
                                      ? cover.cutoff
-                                     : dither_.threshold(x, y, shift));
+                                     : dither_.threshold(begin + step, y, shift));
             });
         });
     }
@@ -5573,30 +5581,38 @@ public:
     }
 
 private:
+    /// A value along a row, in floats from its first sample on.
+    struct row_value {
+        float first;
+        float across;
+
+        row_value(const affine_value& of, int x, int y) noexcept
+            : first(static_cast<float>(of.at(x, y))), across(static_cast<float>(of.dx)) {}
+        [[nodiscard]] float at(int step) const noexcept {
+            return first + across * static_cast<float>(step);
+        }
+    };
+
     /// Depth over a face, kept within the depths of its corners: slivers must not shoot out.
     struct fragment_depth {
         affine_value plane{};
-        double low = 0;  ///< of the corners
-        double high = 0;
-        depth_range kept{};
+        float low = 0;  ///< of the corners
+        float high = 0;
+        float kept_low = 0;
+        float kept_high = 0;
         bool is_clipped = false;
 
         fragment_depth(const raster_triangle& triangle, const std::array<dvec3, 3>& p,
                        const depth_range& range) noexcept
             : plane(triangle.interpolate(p[0].z, p[1].z, p[2].z)),
-              low(std::min({p[0].z, p[1].z, p[2].z})),
-              high(std::max({p[0].z, p[1].z, p[2].z})),
-              kept(range),
-              is_clipped(low < range.low || high > range.high) {}
+              low(static_cast<float>(std::min({p[0].z, p[1].z, p[2].z}))),
+              high(static_cast<float>(std::max({p[0].z, p[1].z, p[2].z}))),
+              kept_low(static_cast<float>(range.low)),
+              kept_high(static_cast<float>(range.high)),
+              is_clipped(low < kept_low || high > kept_high) {}
 
         [[nodiscard]] bool is_outside() const noexcept {
-            return high < kept.low || low > kept.high;
-        }
-        [[nodiscard]] double at(int x, int y) const noexcept {
-            return std::clamp(plane.at(x, y), low, high);
-        }
-        [[nodiscard]] bool keeps(double value) const noexcept {
-            return !is_clipped || (value >= kept.low && value <= kept.high);
+            return high < kept_low || low > kept_high;
         }
     };
 
@@ -5607,15 +5623,21 @@ private:
     template <class IsThere>
     void draw_row(int y, int begin, int end, face_id face, const fragment_depth& depth,
                   const IsThere& is_there) noexcept {
-        const std::size_t offset = row_offset(y);
-        for (int x = begin; x < end; ++x) {
-            const double exact = depth.at(x, y);
-            const auto value = static_cast<float>(exact);
-            const std::size_t at = offset + static_cast<std::size_t>(x - window_.x_begin);
-            if (value > depths_[at] && depth.keeps(exact) && is_there(x)) {
-                depths_[at] = value;
-                faces_[at] = face;
+        const std::size_t offset =
+            row_offset(y) + static_cast<std::size_t>(begin - window_.x_begin);
+        float* depths = depths_.data() + offset;
+        face_id* faces = faces_.data() + offset;
+        const row_value height(depth.plane, begin, y);
+        for (int step = 0; step < end - begin; ++step) {
+            const float value = std::clamp(height.at(step), depth.low, depth.high);
+            if (!(value >= depths[step])) continue;
+            if (value == depths[step] && face > faces[step]) continue;
+            if (depth.is_clipped && !(value >= depth.kept_low && value <= depth.kept_high)) {
+                continue;
             }
+            if (!is_there(step)) continue;
+            depths[step] = value;
+            faces[step] = face;
         }
     }
 
@@ -5717,6 +5739,12 @@ struct drawn_face {
     face_id face = no_id;
     std::uint16_t first_band = 0;
     std::uint16_t last_band = 0;
+    float height = 0;  ///< greatest distance of a corner along the normal
+
+    /// Front to back, and by id among equals.
+    friend bool operator<(const drawn_face& a, const drawn_face& b) noexcept {
+        return a.height != b.height ? a.height > b.height : a.face < b.face;
+    }
 };
 
 /// What is drawn, and where, on one billboard.
@@ -5732,10 +5760,12 @@ struct draw_target {
     const draw_target& target, face_id face, const std::array<dvec3, 3>& corners) noexcept {
     dvec2 low{std::numeric_limits<double>::infinity()};
     dvec2 high = -low;
+    double height = -low.x;
     for (const dvec3& corner : corners) {
-        const dvec2 p(target.view.project(corner));
-        low = glm::min(low, p - 1.0);  // a sample more each way, as corners may be rounded
-        high = glm::max(high, p + 1.0);
+        const dvec3 p = target.view.project(corner);
+        low = glm::min(low, dvec2(p) - 1.0);  // a sample more each way, as corners may be rounded
+        high = glm::max(high, dvec2(p) + 1.0);
+        height = std::max(height, p.z);
     }
     if (!(high.x >= 0 && low.x <= target.columns && high.y >= 0 && low.y <= target.rows)) {
         return std::nullopt;
@@ -5744,10 +5774,10 @@ struct draw_target {
         const int row = static_cast<int>(std::clamp(y, 0.0, target.rows - 1.0));
         return static_cast<std::uint16_t>(row / target.band_rows);
     };
-    return drawn_face{face, band_of(low.y), band_of(high.y)};
+    return drawn_face{face, band_of(low.y), band_of(high.y), static_cast<float>(height)};
 }
 
-/// The faces of each billboard, in ascending order.
+/// The faces of each billboard, front to back.
 class draw_sets {
 public:
     /// Faces that reach into the rectangle of a target and are either mapped to its plane, or valid
@@ -5772,6 +5802,8 @@ public:
         threads.for_chunks(planes, 1, [&](std::size_t plane, std::size_t) {
             std::size_t at = begin_[plane];
             sweep(static_cast<plane_id>(plane), [&](const drawn_face& f) { drawn_[at++] = f; });
+            std::sort(drawn_.begin() + static_cast<std::ptrdiff_t>(begin_[plane]),
+                      drawn_.begin() + static_cast<std::ptrdiff_t>(begin_[plane + 1]));
         });
     }
 
@@ -6712,6 +6744,7 @@ struct picture_scratch {
             faces.push_back(*drawn);
         }
     }
+    std::sort(faces.begin(), faces.end());
 
     const surface look(source);
     const vec3 toward_viewer(from.axes.normal);
@@ -6770,6 +6803,114 @@ struct picture_scratch {
         std::copy_n(row_of(right), bytes_of(right), end);
     }
     return joined;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/pipeline.hpp
+// A mesh in, a billboard cloud with its textures out, in one call.
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <utility>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
+/// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.
+template <plane_space Space = cube_map, class Policies = density_policies<>,
+          plane_fitter Fitter = least_squares_fit>
+struct pipeline {
+    Space space{};
+    Policies policies{};
+    Fitter fitter{};
+};
+template <class Space, class Policies, class Fitter>
+pipeline(Space, Policies, Fitter) -> pipeline<Space, Policies, Fitter>;
+
+/// A length: a share of the radius of the mesh's bounding sphere, or scene units.
+struct tolerance {
+    double value = 0;
+    bool is_of_radius = false;
+
+    [[nodiscard]] static constexpr tolerance of_radius(double share) noexcept {
+        return {share, true};
+    }
+    [[nodiscard]] static constexpr tolerance scene_units(double length) noexcept {
+        return {length, false};
+    }
+    /// In scene units.
+    [[nodiscard]] constexpr double in(const bounding_sphere& bounds) const noexcept {
+        return is_of_radius ? value * bounds.radius : value;
+    }
+};
+
+struct build_options {
+    tolerance epsilon = tolerance::of_radius(0.1);  ///< largest distance of a vertex to its plane
+    greedy_options search{};                        ///< its own epsilon is not read
+    bake_options bake{};
+    parallel threads{};
+};
+
+/// A textured billboard cloud, and how it came about.
+struct build_result {
+    billboard_cloud cloud{};
+    baked_cloud baked{};
+    greedy_statistics statistics{};
+    cloud_errors errors{};
+    double search_seconds = 0;
+    double bake_seconds = 0;
+
+    /// The cloud as a mesh that lies over the original, ready for write_glb.
+    [[nodiscard]] mesh to_mesh() const { return cloud_mesh(cloud, baked); }
+};
+
+/// Makes a billboard cloud of a mesh.
+///
+/// Needs   options within the ranges that greedy_options and bake_options state.
+/// Fails   invalid_options: an epsilon that is not a positive number; and as make_face_table.
+///         A mesh without any area gives a cloud without planes.
+/// Cost    as greedy_search and bake_cloud. The cloud is the same for any number of threads.
+template <plane_space Space = cube_map, class Policies = density_policies<>,
+          plane_fitter Fitter = least_squares_fit>
+[[nodiscard]] expected<build_result> build_cloud(
+    const mesh& source, const build_options& options = {},
+    const pipeline<Space, Policies, Fitter>& parts = {}, const progress_function& progress = {}) {
+    if (!(options.epsilon.value > 0) || !std::isfinite(options.epsilon.value)) {
+        return error{
+            error_code::invalid_options,
+            "epsilon is " + std::to_string(options.epsilon.value) + ", but must be greater than 0"};
+    }
+    expected<face_table> faces = make_face_table(source, options.threads);
+    if (!faces) return faces.error();
+
+    const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    build_result result;
+    if (faces->size == 0) {
+        result.cloud.bounds = faces->bounds;
+        result.cloud.epsilon = options.epsilon.in(faces->bounds);
+        result.cloud.plane_of_face.assign(source.face_count(), no_id);
+        result.statistics.degenerate_faces = source.face_count();
+        return result;
+    }
+    greedy_options search = options.search;
+    search.epsilon = options.epsilon.in(faces->bounds);
+    greedy_result found = greedy_search(*faces, source.face_count(), search, parts.space,
+                                        parts.policies, parts.fitter, options.threads, progress);
+    result.cloud = std::move(found.cloud);
+    result.statistics = found.statistics;
+    result.search_seconds = seconds();
+    fit_billboards(source, result.cloud, options.threads);
+    result.errors = measure_errors(source, result.cloud);
+    result.baked =
+        bake_cloud(source, *faces, result.cloud, options.bake, options.threads, progress);
+    result.bake_seconds = seconds() - result.search_seconds;
+    return result;
 }
 
 }  // namespace billow::inline BILLOW_ABI

@@ -2350,11 +2350,11 @@ public:
         material to;
         to.name = from.name;
         const bool has_map = !from.diffuse_texname.empty();
-        // tinyobjloader puts 0.6 where a material has a texture and no Kd.
-        const bool lacks_kd = has_map && from.diffuse[0] == 0.6f && from.diffuse[1] == 0.6f &&
-                              from.diffuse[2] == 0.6f;
+        // Where Kd lacks, tinyobjloader puts 0.6, or 0 after a material that had one.
+        const vec3 kd(from.diffuse[0], from.diffuse[1], from.diffuse[2]);
+        const bool lacks_kd = has_map && (kd == vec3(0.6f) || kd == vec3(0));
         for (int i = 0; i < 3; ++i) {
-            to.base_color[i] = lacks_kd ? 1.0f : linear(from.diffuse[i]);
+            to.base_color[i] = lacks_kd ? 1.0f : linear(kd[i]);
             to.emissive[i] = linear(from.emission[i]);
         }
         to.base_color.a = std::clamp(from.dissolve, 0.0f, 1.0f);

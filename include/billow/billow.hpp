@@ -76,3 +76,5 @@
 #include <billow/bake/visibility.hpp>
 
 #include <billow/metrics/picture.hpp>
+
+#include <billow/pipeline.hpp>
