@@ -1883,7 +1883,7 @@ template <class F>
 concept plane_fitter = std::copyable<F> &&
     requires(const F& fit, const face_table& faces, const plane& start) {
     { fit(faces, start) } -> std::same_as<plane>;
-    { F::allows_less_contribution } -> std::convertible_to<bool>;
+    { fit.allows_less_contribution } -> std::convertible_to<bool>;
 };
 
 /// Keeps the plane.
@@ -4676,7 +4676,7 @@ private:
         const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
-        if (!Fitter::allows_less_contribution && contribution(moved) < contribution(found)) return;
+        if (!fitter_.allows_less_contribution && contribution(moved) < contribution(found)) return;
         found = moved;
         taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         ++result_.statistics.tweaks;

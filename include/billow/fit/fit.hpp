@@ -15,7 +15,7 @@ template <class F>
 concept plane_fitter = std::copyable<F> &&
     requires(const F& fit, const face_table& faces, const plane& start) {
     { fit(faces, start) } -> std::same_as<plane>;
-    { F::allows_less_contribution } -> std::convertible_to<bool>;
+    { fit.allows_less_contribution } -> std::convertible_to<bool>;
 };
 
 /// Keeps the plane.

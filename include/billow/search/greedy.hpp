@@ -219,7 +219,7 @@ private:
         const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
-        if (!Fitter::allows_less_contribution && contribution(moved) < contribution(found)) return;
+        if (!fitter_.allows_less_contribution && contribution(moved) < contribution(found)) return;
         found = moved;
         taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         ++result_.statistics.tweaks;

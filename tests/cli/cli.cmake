@@ -1,0 +1,15 @@
+# The tool as its users run it, and the Khronos validator over what it writes.
+billow_add_executable(billow_test_files ${CMAKE_CURRENT_LIST_DIR}/make_files.cpp)
+set(folder ${PROJECT_BINARY_DIR}/cli)
+add_test(NAME cli.runs
+    COMMAND ${CMAKE_COMMAND} -DBILLOW=$<TARGET_FILE:billow_cli>
+            -DMAKE_FILES=$<TARGET_FILE:billow_test_files> -DFOLDER=${folder}
+            -P ${CMAKE_CURRENT_LIST_DIR}/run.cmake)
+set_tests_properties(cli.runs PROPERTIES LABELS cli TIMEOUT 600 FIXTURES_SETUP cli_files)
+
+set(clouds)
+foreach(name cube_cloud teapot_cloud leaves_cloud few empty_cloud "one face_cloud" degenerate_cloud
+        square_cloud cube teapot leaves)
+    list(APPEND clouds ${folder}/${name}.glb)
+endforeach()
+billow_add_validator_test(clouds FILES ${clouds} FIXTURE cli_files)
