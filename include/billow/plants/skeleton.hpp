@@ -47,11 +47,11 @@ struct skeleton {
 
 /// The number of segments that nothing grows from.
 [[nodiscard]] inline std::size_t tip_count(const skeleton& bones) {
-    std::vector<char> has_child(bones.segment_count(), 0);
+    std::vector<bool> has_child(bones.segment_count());
     for (const std::uint32_t parent : bones.parents) {
-        if (parent != no_id) has_child[parent] = 1;
+        if (parent != no_id) has_child[parent] = true;
     }
-    return static_cast<std::size_t>(std::ranges::count(has_child, 0));
+    return static_cast<std::size_t>(std::ranges::count(has_child, false));
 }
 
 /// Scales the plant so that its highest segment ends at `height` above the ground, y = 0.
