@@ -46,6 +46,16 @@ TEST_SUITE("density/grid") {
         CHECK(best.density == 5);
         CHECK(best.contribution == 5);
     }
+    TEST_CASE("the first of the best is the same for any number of threads") {
+        density_grid grid(400, {0, 1, 1000}, 1);
+        for (const std::size_t row : {350u, 150u, 250u}) grid.contribution(row)[7] = {10, 0};
+        for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+            const dense_bin best =
+                densest_bin(grid, [](std::size_t, double c, double) { return c; }, {threads});
+            CHECK(best.row == 150);
+            CHECK(best.bin == 7);
+        }
+    }
     TEST_CASE("bins know their centre") {
         CHECK(offset_axis{-2, 0.5, 8}.centre_of(0) == -1.75);
         CHECK(offset_axis{-2, 0.5, 8}.centre_of(7) == 1.75);

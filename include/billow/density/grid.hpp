@@ -7,10 +7,13 @@
 // The numbers are integers: addition is exact in any order, removal leaves exactly nothing behind.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
+#include <billow/core/parallel.hpp>
 #include <billow/core/types.hpp>
 
 namespace billow::inline BILLOW_ABI {
@@ -95,18 +98,26 @@ struct dense_bin {
 };
 
 /// The bin that `worth(row, contribution, penalty)` values most, a double; among equals the first.
-/// Needs at least one row and bin. Cost O(rows · bins).
+/// Needs at least one row and bin. Cost O(rows · bins), parallel over rows.
 template <class Worth>
-[[nodiscard]] dense_bin densest_bin(const density_grid& grid, const Worth& worth) {
-    dense_bin best{.density = -std::numeric_limits<double>::infinity()};
-    for (std::size_t row = 0; row < grid.row_count(); ++row) {
-        grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
-            const double c = static_cast<double>(contribution) / grid.scale();
-            const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
-            if (density > best.density) best = {row, bin, density, c};
-        });
-    }
-    return best;
+[[nodiscard]] dense_bin densest_bin(const density_grid& grid, const Worth& worth,
+                                    parallel threads = {}) {
+    const dense_bin none{.density = -std::numeric_limits<double>::infinity()};
+    // Enough bins a chunk to pay for a thread.
+    const std::size_t chunk = 1 + 100'000 / static_cast<std::size_t>(grid.axis().bin_count);
+    std::vector<dense_bin> best((grid.row_count() + chunk - 1) / chunk, none);
+    threads.for_chunks(grid.row_count(), chunk, [&](std::size_t begin, std::size_t end) {
+        dense_bin densest = none;
+        for (std::size_t row = begin; row < end; ++row) {
+            grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
+                const double c = static_cast<double>(contribution) / grid.scale();
+                const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
+                if (density > densest.density) densest = {row, bin, density, c};
+            });
+        }
+        best[begin / chunk] = densest;
+    });
+    return *std::ranges::max_element(best, {}, &dense_bin::density);
 }
 
 }  // namespace billow::inline BILLOW_ABI

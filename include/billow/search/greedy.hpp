@@ -146,11 +146,15 @@ private:
     /// no face is simple-valid anywhere.
     [[nodiscard]] std::optional<plane_bin> find_bin() const {
         const double weight = policies_.penalty.weight;
-        dense_bin best = densest_bin(grid_, [weight](std::size_t, double c, double p) {
-            return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
-        });
+        dense_bin best = densest_bin(
+            grid_,
+            [weight](std::size_t, double c, double p) {
+                return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
+            },
+            threads_);
         if (best.density <= 0) {
-            best = densest_bin(grid_, [](std::size_t, double c, double) { return c; });
+            best = densest_bin(
+                grid_, [](std::size_t, double c, double) { return c; }, threads_);
         }
         if (best.contribution <= 0) return std::nullopt;
         const double low = grid_.axis().origin + best.bin * grid_.axis().spacing;
