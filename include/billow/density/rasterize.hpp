@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <span>
 
@@ -25,6 +26,9 @@ namespace billow::inline BILLOW_ABI {
 template <class Validity = hull_of_samples, class Contribution = projected_area,
           class Penalty = inner_side_penalty>
 struct density_policies {
+    /// Where nothing is charged, the ramps of the penalty are not drawn.
+    static constexpr bool charges = !std::same_as<Penalty, no_penalty>;
+
     Validity validity{};
     Contribution contribution{};
     Penalty penalty{};
@@ -82,16 +86,6 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
         const V height = simd::select(valid.low <= valid.high, worth, zero);
         highest = simd::max(highest, height);
 
-        // Below 0 the row belongs to the opposite normal, whose inner side is the upper one.
-        const offset_interval<V> above = policies.penalty(valid, axis.epsilon);
-        const offset_interval<V> mirrored = {-valid.high, -valid.low};
-        const offset_interval<V> below = policies.penalty(mirrored, axis.epsilon);
-        const auto is_above = valid.low > zero;
-        const V charge_low =
-            simd::select(is_above, simd::max(above.low, zero), simd::min(-below.high, zero));
-        const V charge_high =
-            simd::select(is_above, simd::max(above.high, zero), simd::min(-below.low, zero));
-
         const auto rounded = simd::truncate(height);
         simd::lanes<V>::store(block.height.data() + i, rounded);
         const V exact_height = simd::to_float(rounded);
@@ -106,8 +100,17 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
         };
         put(0, valid.low);
         put(1, valid.high);
-        put(2, charge_low);
-        put(3, charge_high);
+        if constexpr (Policies::charges) {
+            // Below 0 the row belongs to the opposite normal, whose inner side is the upper one.
+            const offset_interval<V> above = policies.penalty(valid, axis.epsilon);
+            const offset_interval<V> mirrored = {-valid.high, -valid.low};
+            const offset_interval<V> below = policies.penalty(mirrored, axis.epsilon);
+            const auto is_above = valid.low > zero;
+            put(2,
+                simd::select(is_above, simd::max(above.low, zero), simd::min(-below.high, zero)));
+            put(3,
+                simd::select(is_above, simd::max(above.high, zero), simd::min(-below.low, zero)));
+        }
     }
     alignas(64) std::array<float, simd::max_lane_count> lanes{};
     simd::lanes<V>::store(lanes.data(), highest);
@@ -117,8 +120,8 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
     return false;
 }
 
-/// Adds sign times the block's ramps to a row.
-template <int Sign>
+/// Adds sign times the block's ramps to a row, the penalty's only where it charges.
+template <int Sign, bool Charges>
 void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> contribution,
                     std::span<ramp> penalty) noexcept {
     const auto add = [&](std::span<ramp> row, const ramp_block::starts& start, std::size_t i,
@@ -130,8 +133,10 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
     for (std::size_t i = 0; i < count; ++i) {
         add(contribution, block.start[0], i, Sign);
         add(contribution, block.start[1], i, -Sign);
-        add(penalty, block.start[2], i, Sign);
-        add(penalty, block.start[3], i, -Sign);
+        if constexpr (Charges) {
+            add(penalty, block.start[2], i, Sign);
+            add(penalty, block.start[3], i, -Sign);
+        }
     }
 }
 
@@ -162,6 +167,7 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
     const detail::axis_lanes<V> axis(grid, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    constexpr bool charges = density_policies<Validity, Contribution, Penalty>::charges;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
@@ -172,11 +178,11 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
                     continue;
                 }
                 if (change == density_change::add) {
-                    detail::add_ramp_block<1>(block, count, grid.contribution(row),
-                                              grid.penalty(row));
+                    detail::add_ramp_block<1, charges>(block, count, grid.contribution(row),
+                                                       grid.penalty(row));
                 } else {
-                    detail::add_ramp_block<-1>(block, count, grid.contribution(row),
-                                               grid.penalty(row));
+                    detail::add_ramp_block<-1, charges>(block, count, grid.contribution(row),
+                                                        grid.penalty(row));
                 }
             }
         }
