@@ -98,7 +98,9 @@ static_assert(billow::plane_fitter<midway_fit>);
 static void print(const char* name, const billow::build_result& built) {
     const auto upright = std::ranges::count_if(
         built.cloud.planes, [](const billow::plane& p) { return std::abs(p.normal.y) < 0.01; });
-    std::printf("%-8s %6zu %8td %15.2f %16.2f %7.2f\n", name, built.cloud.plane_count(), upright,
+    const std::size_t planes = built.cloud.plane_count();
+    std::printf("%-8s %6zu %7.0f%% %14.2f %16.2f %8.2f\n", name, planes,
+                100.0 * double(upright) / double(planes),
                 built.errors.mean_error / built.cloud.epsilon, built.errors.projected_area_share,
                 built.search_seconds);
 }
@@ -118,10 +120,11 @@ int main() {
                                  outside_first{.radius = float(usual->cloud.bounds.radius)},
                                  billow::inner_side_penalty{.weight = 1}},
         midway_fit{}};
+    // Fewer normals to choose from: more planes for the same epsilon, found in less time.
     const auto own = billow::build_cloud(*tree, options, walker);
     if (!own) return std::fprintf(stderr, "%s\n", own.error().message.c_str()), 1;
 
-    std::puts("pipeline planes  upright  mean error/eps  projected share  search s");
+    std::puts("pipeline planes  upright mean error/eps  projected share search s");
     print("default", *usual);
     print("walker", *own);
 }
