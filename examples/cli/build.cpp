@@ -112,65 +112,69 @@ expected<build_result> run_pipeline(const mesh& source, const build_arguments& a
     return run(cube_map(arguments.raster));
 }
 
+/// Filled field by field: one long initialiser list of JSON takes compilers minutes.
 json report_of(const build_arguments& arguments, const loaded_mesh& loaded,
                const build_result& result, double load_seconds, double write_seconds,
                double total_seconds) {
     const cloud_errors& errors = result.errors;
     const greedy_statistics& search = result.statistics;
-    json atlases = json::array();
-    for (const atlas& a : result.baked.atlases) {
-        atlases.push_back({{"width", a.width()}, {"height", a.height()}});
-    }
-    json atlas = atlases.empty() ? json{{"width", 0}, {"height", 0}} : atlases.front();
-    atlas["fill"] = result.baked.fill;
-    atlas["count"] = result.baked.atlases.size();
+    const build_options& options = arguments.options;
     const double epsilon = result.cloud.epsilon;
-    return {
-        {"generator", "billow " BILLOW_VERSION},
-        {"faces", loaded.mesh.face_count()},
-        {"planes", result.cloud.plane_count()},
-        {"triangles", 2 * result.cloud.plane_count()},
-        {"epsilon", epsilon},
-        {"radius", result.cloud.bounds.radius},
-        {"max_error", errors.max_error},
-        {"mean_error", errors.mean_error},
-        {"max_error_over_epsilon", epsilon > 0 ? errors.max_error / epsilon : 0},
-        {"projected_area_share", errors.projected_area_share},
-        {"mapped_faces", errors.mapped_faces},
-        {"skipped_faces", loaded.mesh.face_count() - errors.mapped_faces - search.degenerate_faces},
-        {"degenerate_faces", search.degenerate_faces},
-        {"leftover_faces", search.leftover_faces},
-        {"faces_beyond_epsilon", errors.faces_beyond_epsilon},
-        {"refinement",
-         {{"levels", search.refinement_levels},
-          {"fail_safes", search.fail_safes},
-          {"tweaks", search.tweaks}}},
-        {"texel_size", result.baked.texel_size},
-        {"atlas", atlas},
-        {"atlases", atlases},
-        {"seconds",
-         {{"load", load_seconds},
-          {"search", result.search_seconds},
-          {"bake", result.bake_seconds},
-          {"write", write_seconds},
-          {"total", total_seconds}}},
-        {"threads", arguments.options.threads.count()},
-        {"notes", loaded.notes},
-        {"options",
-         {{"epsilon", arguments.epsilon},
-          {"max_planes", arguments.options.search.max_planes},
-          {"plane_space", arguments.plane_space},
-          {"raster", arguments.raster},
-          {"rho_rate", arguments.options.search.rho_rate},
-          {"penalty", arguments.penalty},
-          {"refine", arguments.refine},
-          {"fit", arguments.fit},
-          {"texels", arguments.options.bake.texels},
-          {"max_atlas", arguments.options.bake.max_atlas},
-          {"supersample", arguments.options.bake.supersample},
-          {"padding", arguments.options.bake.padding},
-          {"power_of_two", arguments.options.bake.power_of_two}}},
-    };
+    const std::size_t faces = loaded.mesh.face_count();
+
+    json report;
+    report["generator"] = "billow " BILLOW_VERSION;
+    report["faces"] = faces;
+    report["planes"] = result.cloud.plane_count();
+    report["triangles"] = 2 * result.cloud.plane_count();
+    report["epsilon"] = epsilon;
+    report["radius"] = result.cloud.bounds.radius;
+    report["max_error"] = errors.max_error;
+    report["mean_error"] = errors.mean_error;
+    report["max_error_over_epsilon"] = epsilon > 0 ? errors.max_error / epsilon : 0.0;
+    report["projected_area_share"] = errors.projected_area_share;
+    report["mapped_faces"] = errors.mapped_faces;
+    report["skipped_faces"] = faces - errors.mapped_faces - search.degenerate_faces;
+    report["degenerate_faces"] = search.degenerate_faces;
+    report["leftover_faces"] = search.leftover_faces;
+    report["faces_beyond_epsilon"] = errors.faces_beyond_epsilon;
+    json& refinement = report["refinement"];
+    refinement["levels"] = search.refinement_levels;
+    refinement["fail_safes"] = search.fail_safes;
+    refinement["tweaks"] = search.tweaks;
+
+    const auto& atlases = result.baked.atlases;
+    json& atlas = report["atlas"];
+    atlas["width"] = atlases.empty() ? 0 : atlases.front().width();
+    atlas["height"] = atlases.empty() ? 0 : atlases.front().height();
+    atlas["fill"] = result.baked.fill;
+    atlas["count"] = atlases.size();
+    atlas["texel_size"] = result.baked.texel_size;
+
+    json& seconds = report["seconds"];
+    seconds["load"] = load_seconds;
+    seconds["search"] = result.search_seconds;
+    seconds["bake"] = result.bake_seconds;
+    seconds["write"] = write_seconds;
+    seconds["total"] = total_seconds;
+    report["threads"] = options.threads.count();
+    report["notes"] = loaded.notes;
+
+    json& chosen = report["options"];
+    chosen["epsilon"] = arguments.epsilon;
+    chosen["max_planes"] = options.search.max_planes;
+    chosen["plane_space"] = arguments.plane_space;
+    chosen["raster"] = arguments.raster;
+    chosen["rho_rate"] = options.search.rho_rate;
+    chosen["penalty"] = arguments.penalty;
+    chosen["refine"] = arguments.refine;
+    chosen["fit"] = arguments.fit;
+    chosen["texels"] = options.bake.texels;
+    chosen["max_atlas"] = options.bake.max_atlas;
+    chosen["supersample"] = options.bake.supersample;
+    chosen["padding"] = options.bake.padding;
+    chosen["power_of_two"] = options.bake.power_of_two;
+    return report;
 }
 
 /// NAME.png, then NAME_1.png, NAME_2.png …
