@@ -274,6 +274,10 @@ private:
 #include <cstring>
 
 
+#if BILLOW_LANES == 4 && defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
 namespace billow::inline BILLOW_ABI::simd {
 
 /// How many floats `wide` holds. Columns are padded to max_lane_count, so kernels have no tail.
@@ -286,7 +290,7 @@ inline constexpr std::size_t max_lane_count = 16;
 
 // One lane.
 [[nodiscard]] inline float min(float a, float b) noexcept { return a < b ? a : b; }
-[[nodiscard]] inline float max(float a, float b) noexcept { return a < b ? b : a; }
+[[nodiscard]] inline float max(float a, float b) noexcept { return a > b ? a : b; }
 [[nodiscard]] inline float abs(float a) noexcept { return a < 0 ? -a : a; }
 [[nodiscard]] inline float select(bool mask, float yes, float no) noexcept {
     return mask ? yes : no;
@@ -312,8 +316,14 @@ struct lanes {
 typedef float wide __attribute__((vector_size(4 * BILLOW_LANES)));
 typedef std::int32_t wide_int __attribute__((vector_size(4 * BILLOW_LANES)));
 
+#if BILLOW_LANES == 4 && defined(__SSE__)
+// GCC 12 spells a comparison out in four instructions when several selections share it.
+[[nodiscard]] inline wide min(wide a, wide b) noexcept { return _mm_min_ps(a, b); }
+[[nodiscard]] inline wide max(wide a, wide b) noexcept { return _mm_max_ps(a, b); }
+#else
 [[nodiscard]] inline wide min(wide a, wide b) noexcept { return a < b ? a : b; }
-[[nodiscard]] inline wide max(wide a, wide b) noexcept { return a < b ? b : a; }
+[[nodiscard]] inline wide max(wide a, wide b) noexcept { return a > b ? a : b; }
+#endif
 [[nodiscard]] inline wide abs(wide a) noexcept {
     return reinterpret_cast<wide>(reinterpret_cast<wide_int>(a) & 0x7fffffff);
 }
@@ -2076,11 +2086,11 @@ struct skeleton {
 
 /// The number of segments that nothing grows from.
 [[nodiscard]] inline std::size_t tip_count(const skeleton& bones) {
-    std::vector<char> has_child(bones.segment_count(), 0);
+    std::vector<bool> has_child(bones.segment_count());
     for (const std::uint32_t parent : bones.parents) {
-        if (parent != no_id) has_child[parent] = 1;
+        if (parent != no_id) has_child[parent] = true;
     }
-    return static_cast<std::size_t>(std::ranges::count(has_child, 0));
+    return static_cast<std::size_t>(std::ranges::count(has_child, false));
 }
 
 /// Scales the plant so that its highest segment ends at `height` above the ground, y = 0.
@@ -3678,7 +3688,9 @@ static_assert(penalty<no_penalty> && penalty<no_penalty, simd::wide>);
 // costs the same whatever the length of its interval, and the bins appear when the row is summed.
 // The numbers are integers: addition is exact in any order, removal leaves exactly nothing behind.
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -3765,18 +3777,26 @@ struct dense_bin {
 };
 
 /// The bin that `worth(row, contribution, penalty)` values most, a double; among equals the first.
-/// Needs at least one row and bin. Cost O(rows · bins).
+/// Needs at least one row and bin. Cost O(rows · bins), parallel over rows.
 template <class Worth>
-[[nodiscard]] dense_bin densest_bin(const density_grid& grid, const Worth& worth) {
-    dense_bin best{.density = -std::numeric_limits<double>::infinity()};
-    for (std::size_t row = 0; row < grid.row_count(); ++row) {
-        grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
-            const double c = static_cast<double>(contribution) / grid.scale();
-            const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
-            if (density > best.density) best = {row, bin, density, c};
-        });
-    }
-    return best;
+[[nodiscard]] dense_bin densest_bin(const density_grid& grid, const Worth& worth,
+                                    parallel threads = {}) {
+    const dense_bin none{.density = -std::numeric_limits<double>::infinity()};
+    // Enough bins a chunk to pay for a thread.
+    const std::size_t chunk = 1 + 100'000 / static_cast<std::size_t>(grid.axis().bin_count);
+    std::vector<dense_bin> best((grid.row_count() + chunk - 1) / chunk, none);
+    threads.for_chunks(grid.row_count(), chunk, [&](std::size_t begin, std::size_t end) {
+        dense_bin densest = none;
+        for (std::size_t row = begin; row < end; ++row) {
+            grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
+                const double c = static_cast<double>(contribution) / grid.scale();
+                const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
+                if (density > densest.density) densest = {row, bin, density, c};
+            });
+        }
+        best[begin / chunk] = densest;
+    });
+    return *std::ranges::max_element(best, {}, &dense_bin::density);
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -3789,6 +3809,7 @@ template <class Worth>
 
 #include <array>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <span>
 
@@ -3799,6 +3820,9 @@ namespace billow::inline BILLOW_ABI {
 template <class Validity = hull_of_samples, class Contribution = projected_area,
           class Penalty = inner_side_penalty>
 struct density_policies {
+    /// Where nothing is charged, the ramps of the penalty are not drawn.
+    static constexpr bool charges = !std::same_as<Penalty, no_penalty>;
+
     Validity validity{};
     Contribution contribution{};
     Penalty penalty{};
@@ -3856,16 +3880,6 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
         const V height = simd::select(valid.low <= valid.high, worth, zero);
         highest = simd::max(highest, height);
 
-        // Below 0 the row belongs to the opposite normal, whose inner side is the upper one.
-        const offset_interval<V> above = policies.penalty(valid, axis.epsilon);
-        const offset_interval<V> mirrored = {-valid.high, -valid.low};
-        const offset_interval<V> below = policies.penalty(mirrored, axis.epsilon);
-        const auto is_above = valid.low > zero;
-        const V charge_low =
-            simd::select(is_above, simd::max(above.low, zero), simd::min(-below.high, zero));
-        const V charge_high =
-            simd::select(is_above, simd::max(above.high, zero), simd::min(-below.low, zero));
-
         const auto rounded = simd::truncate(height);
         simd::lanes<V>::store(block.height.data() + i, rounded);
         const V exact_height = simd::to_float(rounded);
@@ -3880,8 +3894,17 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
         };
         put(0, valid.low);
         put(1, valid.high);
-        put(2, charge_low);
-        put(3, charge_high);
+        if constexpr (Policies::charges) {
+            // Below 0 the row belongs to the opposite normal, whose inner side is the upper one.
+            const offset_interval<V> above = policies.penalty(valid, axis.epsilon);
+            const offset_interval<V> mirrored = {-valid.high, -valid.low};
+            const offset_interval<V> below = policies.penalty(mirrored, axis.epsilon);
+            const auto is_above = valid.low > zero;
+            put(2,
+                simd::select(is_above, simd::max(above.low, zero), simd::min(-below.high, zero)));
+            put(3,
+                simd::select(is_above, simd::max(above.high, zero), simd::min(-below.low, zero)));
+        }
     }
     alignas(64) std::array<float, simd::max_lane_count> lanes{};
     simd::lanes<V>::store(lanes.data(), highest);
@@ -3891,8 +3914,8 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
     return false;
 }
 
-/// Adds sign times the block's ramps to a row.
-template <int Sign>
+/// Adds sign times the block's ramps to a row, the penalty's only where it charges.
+template <int Sign, bool Charges>
 void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> contribution,
                     std::span<ramp> penalty) noexcept {
     const auto add = [&](std::span<ramp> row, const ramp_block::starts& start, std::size_t i,
@@ -3904,8 +3927,10 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
     for (std::size_t i = 0; i < count; ++i) {
         add(contribution, block.start[0], i, Sign);
         add(contribution, block.start[1], i, -Sign);
-        add(penalty, block.start[2], i, Sign);
-        add(penalty, block.start[3], i, -Sign);
+        if constexpr (Charges) {
+            add(penalty, block.start[2], i, Sign);
+            add(penalty, block.start[3], i, -Sign);
+        }
     }
 }
 
@@ -3936,6 +3961,7 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
     const detail::axis_lanes<V> axis(grid, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    constexpr bool charges = density_policies<Validity, Contribution, Penalty>::charges;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
@@ -3946,11 +3972,11 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
                     continue;
                 }
                 if (change == density_change::add) {
-                    detail::add_ramp_block<1>(block, count, grid.contribution(row),
-                                              grid.penalty(row));
+                    detail::add_ramp_block<1, charges>(block, count, grid.contribution(row),
+                                                       grid.penalty(row));
                 } else {
-                    detail::add_ramp_block<-1>(block, count, grid.contribution(row),
-                                               grid.penalty(row));
+                    detail::add_ramp_block<-1, charges>(block, count, grid.contribution(row),
+                                                        grid.penalty(row));
                 }
             }
         }
@@ -4603,11 +4629,15 @@ private:
     /// no face is simple-valid anywhere.
     [[nodiscard]] std::optional<plane_bin> find_bin() const {
         const double weight = policies_.penalty.weight;
-        dense_bin best = densest_bin(grid_, [weight](std::size_t, double c, double p) {
-            return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
-        });
+        dense_bin best = densest_bin(
+            grid_,
+            [weight](std::size_t, double c, double p) {
+                return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
+            },
+            threads_);
         if (best.density <= 0) {
-            best = densest_bin(grid_, [](std::size_t, double c, double) { return c; });
+            best = densest_bin(
+                grid_, [](std::size_t, double c, double) { return c; }, threads_);
         }
         if (best.contribution <= 0) return std::nullopt;
         const double low = grid_.axis().origin + best.bin * grid_.axis().spacing;
