@@ -43,8 +43,8 @@ const bool rows = [] {
          {std::pair{"density.rasterize.add/leaf_soup", density_change::add},
           std::pair{"density.rasterize.remove/leaf_soup", density_change::remove}}) {
         for (const std::size_t size : {1'000u, 16'000u}) {
-            const auto row = [&, change = change]<class V>(V, const std::string& isa,
-                                                           unsigned threads) {
+            const auto row = [&, family = family, change = change]<class V>(
+                                 V, const std::string& isa, unsigned threads) {
                 bench::add_row(family, size, isa, threads, [=](benchmark::State& state) {
                     rasterize<V>(state, size, threads, change);
                 });
