@@ -94,9 +94,8 @@ inline constexpr double degenerate_area_share = 1e-12;
     });
     const double radius = faces.bounds.radius;
     if (radius != 0 && !(radius > 1e-15 && radius < 1e15)) {
-        return error{error_code::too_large, "a mesh of radius " + std::to_string(radius) +
-                                                " is beyond single precision, scale it to "
-                                                "between 1e-15 and 1e15"};
+        return error{error_code::too_large,
+                     "its radius is beyond single precision; scale it to between 1e-15 and 1e15"};
     }
     faces.resize(m.face_count());
     std::size_t row = 0;

@@ -64,15 +64,17 @@ template <class V>
 /// normal that no corner has one (the "diamond" of the thesis's Figure 3.6).
 struct hull_of_samples {
     template <class V>
-    [[nodiscard]] offset_interval<V> operator()(const face_lanes<V>& face, const cell_lanes<V>& cell,
+    [[nodiscard]] offset_interval<V> operator()(const face_lanes<V>& face,
+                                                const cell_lanes<V>& cell,
                                                 V epsilon) const noexcept {
         const V far = simd::lanes<V>::fill(std::numeric_limits<float>::max());
         offset_interval<V> hull{far, -far};
         const auto widen = [&](const vec3_lanes<V>& normal) {
             const offset_interval<V> at = valid_offsets(face, normal, epsilon);
-            const auto is_valid = at.low <= at.high;
-            hull.low = simd::min(hull.low, simd::select(is_valid, at.low, far));
-            hull.high = simd::max(hull.high, simd::select(is_valid, at.high, -far));
+            // An empty interval is moved out of the way: cheaper than to choose both ends.
+            const V aside = simd::select(at.low <= at.high, simd::lanes<V>::fill(0), far);
+            hull.low = simd::min(hull.low, at.low + aside);
+            hull.high = simd::max(hull.high, at.high - aside);
         };
         widen(cell.centre);
         widen(cell.corner[0]);
