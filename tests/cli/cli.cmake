@@ -1,5 +1,6 @@
 # The tool as its users run it, and the Khronos validator over what it writes.
 billow_add_executable(billow_test_files ${CMAKE_CURRENT_LIST_DIR}/make_files.cpp)
+set_target_properties(billow_test_files PROPERTIES BILLOW_IS_TEST ON)
 set(folder ${PROJECT_BINARY_DIR}/cli)
 add_test(NAME cli.runs
     COMMAND ${CMAKE_COMMAND} -DBILLOW=$<TARGET_FILE:billow_cli>
