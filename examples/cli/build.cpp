@@ -82,13 +82,14 @@ const std::vector<std::pair<std::string, refinement>> refinements{
 /// The fitter that --fit names. Fitting is a small part of the work, so the choice is made when it is
 /// called; the plane space is compiled in.
 struct chosen_fit {
-    std::variant<no_fit, average_fit, svd_fit, least_squares_fit> fitter{};
+    std::variant<no_fit, average_fit, svd_fit, least_squares_fit, minimax_fit> fitter{};
     bool allows_less_contribution = false;
 
     explicit chosen_fit(const std::string& name) {
         if (name == "average") fitter = average_fit{};
         if (name == "svd") fitter = svd_fit{};
         if (name == "least-squares") fitter = least_squares_fit{};
+        if (name == "minimax") fitter = minimax_fit{};
         allows_less_contribution =
             std::visit([](const auto& fit) { return fit.allows_less_contribution; }, fitter);
     }
@@ -325,7 +326,7 @@ void add_build(CLI::App& tool, exit_code& result) {
         ->check(CLI::IsMember({"original", "fail-safe", "none"}))
         ->group("Planes");
     verb->add_option("--fit", a.fit, "Move planes to their faces, where epsilon allows it")
-        ->check(CLI::IsMember({"none", "average", "svd", "least-squares"}))
+        ->check(CLI::IsMember({"none", "average", "svd", "least-squares", "minimax"}))
         ->group("Planes");
 
     verb->add_option("--texels", a.options.bake.texels,

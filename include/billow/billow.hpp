@@ -34,6 +34,7 @@
 #include <billow/fit/average.hpp>
 #include <billow/fit/fit.hpp>
 #include <billow/fit/least_squares.hpp>
+#include <billow/fit/minimax.hpp>
 #include <billow/fit/svd.hpp>
 
 #include <billow/plants/branch_mesh.hpp>

@@ -79,6 +79,7 @@ run(0 build teapot.glb -o teapot_cloud.glb --epsilon 0.2 --texels 128 --plane-sp
     --raster 12 --fit svd --refine original --penalty 2 --rho-rate 1 --supersample 2 --padding 4
     --max-atlas 512 --power-of-two)
 run(0 build leaves.glb -o leaves_cloud.glb --texels 128 --refine none --fit average)
+run(0 build leaves.glb -o leaves_minimax.glb --texels 64 --fit minimax --quiet)
 run(0 --config options.toml build leaves.glb -o few.glb --texels 64 --report few.json --quiet)
 expect_match("x${out}${err}x" "^xx$")
 file(READ "${FOLDER}/few.json" report)

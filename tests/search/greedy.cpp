@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <billow/cloud/measure.hpp>
+#include <billow/fit/minimax.hpp>
 #include <billow/fit/svd.hpp>
 #include <billow/plane_space/spherical.hpp>
 #include <billow/shapes/box.hpp>
@@ -83,6 +84,7 @@ TEST_SUITE("search/greedy") {
         check_promises(m, search(m, 0.08, {}, cube_map{8}, density_policies<>{}, no_fit{}));
         check_promises(m, search(m, 0.08, {}, cube_map{8}, density_policies<>{}, svd_fit{}));
         check_promises(m, search(m, 0.08, {}, cube_map{8}, density_policies<>{}, average_fit{}));
+        check_promises(m, search(m, 0.08, {}, cube_map{8}, density_policies<>{}, minimax_fit{}));
         check_promises(m, search(m, 0.08, {}, cube_map{8},
                                  density_policies{intersection_of_vertices{}, projected_area{},
                                                   no_penalty{}}));
