@@ -42,6 +42,12 @@ void check_promises(const Space& space) {
             REQUIRE(glm::dot(space.direction(near), n) > 0.4);
         }
     }
+    random_stream random(8);
+    for (int i = 0; i < 500; ++i) {  // any direction lies in its orientation's cell
+        const dvec3 n = support::random_direction(random);
+        const orientation_cell cell = space.cell(space.orientation_of(n));
+        REQUIRE(glm::distance(dvec3(cell.centre), n) <= double(cell.chord) + 1e-6);
+    }
 }
 
 /// Area of the spherical polygon of a cell: the sum of two triangles (Van Oosterom, Strackee 1983).

@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include "support/meshes.hpp"
 
 using namespace billow;
 
@@ -25,14 +24,5 @@ TEST_SUITE("plane_space/spherical") {
         const dvec3 d = space.direction(72 * 10 + 3);
         CHECK(d.z == doctest::Approx(std::cos(10.5 * step)));
         CHECK(std::atan2(d.y, d.x) == doctest::Approx(3.5 * step));
-    }
-    TEST_CASE("any direction is within its orientation's cell") {
-        const spherical space(12);
-        random_stream random(8);
-        for (int i = 0; i < 500; ++i) {
-            const dvec3 n = support::random_direction(random);
-            const orientation_cell cell = space.cell(space.orientation_of(n));
-            CHECK(glm::distance(dvec3(cell.centre), n) <= double(cell.chord) + 1e-6);
-        }
     }
 }
