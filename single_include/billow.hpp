@@ -2577,7 +2577,9 @@ inline void add_leaves(mesh& out, const skeleton& bones, const leaf_options& opt
 
             const auto cells = options.variants;
             const auto cell = static_cast<unsigned>(random.between(0, double(cells * cells)));
-            const vec2 corner(float(cell % cells), float(cell / cells));
+            const unsigned column = cell % cells;
+            const unsigned row = cell / cells;
+            const vec2 corner(float(column), float(row));
             const auto first = static_cast<std::uint32_t>(out.vertex_count());
             for (const vec2& q : {vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0)}) {
                 out.positions.emplace_back(base + across * double(2 * q.x - 1) +
@@ -2773,8 +2775,10 @@ struct drawn_leaf {
                 vec3 total{0};
                 int hits = 0;
                 for (int s = 0; s < grid * grid; ++s) {
-                    const dvec2 point((x + (s % grid + 0.5) / grid) / cell_size,
-                                      1 - (y + (s / grid + 0.5) / grid) / cell_size);
+                    const int column = s % grid;
+                    const int row = s / grid;
+                    const dvec2 point((x + (column + 0.5) / grid) / cell_size,
+                                      1 - (y + (row + 0.5) / grid) / cell_size);
                     vec3 color{0};
                     bool is_hit = false;
                     for (std::size_t k = twig.size(); k-- > 0 && !is_hit;) {  // the last is on top
@@ -3157,7 +3161,8 @@ namespace detail {
                                                       " faces, leaves among them"};
     }
     kind.generations = best;
-    const auto leaves = double((face_count - bark_faces) / 2);
+    const std::size_t leaf_quads = (face_count - bark_faces) / 2;
+    const auto leaves = static_cast<double>(leaf_quads);
     kind.leaves.per_site = (leaves + 0.5) / double(sites);
     kind.leaves.length *= std::clamp(std::sqrt(usual_leaves / std::max(1.0, leaves)), 0.4, 3.0);
     return kind;

@@ -188,12 +188,11 @@ std::filesystem::path numbered(const std::filesystem::path& file, std::size_t nu
 }
 
 expected<done> write_results(const build_arguments& arguments, const build_result& result) {
-    const auto written =
+    auto written =
         write_glb(arguments.output, result.to_mesh(), {.threads = arguments.options.threads});
     if (!written || arguments.atlas_png.empty()) return written;
     for (std::size_t i = 0; i < result.baked.atlases.size(); ++i) {
-        const auto png =
-            write_png(numbered(arguments.atlas_png, i), result.baked.atlases[i].base_color);
+        auto png = write_png(numbered(arguments.atlas_png, i), result.baked.atlases[i].base_color);
         if (!png) return png;
     }
     return done{};

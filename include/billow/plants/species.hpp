@@ -111,7 +111,8 @@ namespace detail {
                                                       " faces, leaves among them"};
     }
     kind.generations = best;
-    const auto leaves = double((face_count - bark_faces) / 2);
+    const std::size_t leaf_quads = (face_count - bark_faces) / 2;
+    const auto leaves = static_cast<double>(leaf_quads);
     kind.leaves.per_site = (leaves + 0.5) / double(sites);
     kind.leaves.length *= std::clamp(std::sqrt(usual_leaves / std::max(1.0, leaves)), 0.4, 3.0);
     return kind;

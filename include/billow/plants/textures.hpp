@@ -173,8 +173,10 @@ struct drawn_leaf {
                 vec3 total{0};
                 int hits = 0;
                 for (int s = 0; s < grid * grid; ++s) {
-                    const dvec2 point((x + (s % grid + 0.5) / grid) / cell_size,
-                                      1 - (y + (s / grid + 0.5) / grid) / cell_size);
+                    const int column = s % grid;
+                    const int row = s / grid;
+                    const dvec2 point((x + (column + 0.5) / grid) / cell_size,
+                                      1 - (y + (row + 0.5) / grid) / cell_size);
                     vec3 color{0};
                     bool is_hit = false;
                     for (std::size_t k = twig.size(); k-- > 0 && !is_hit;) {  // the last is on top
