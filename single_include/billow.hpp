@@ -2579,7 +2579,7 @@ inline void add_leaves(mesh& out, const skeleton& bones, const leaf_options& opt
             const auto cell = static_cast<unsigned>(random.between(0, double(cells * cells)));
             const unsigned column = cell % cells;
             const unsigned row = cell / cells;
-            const vec2 corner(float(column), float(row));
+            const vec2 corner{float(column), float(row)};
             const auto first = static_cast<std::uint32_t>(out.vertex_count());
             for (const vec2& q : {vec2(0, 1), vec2(1, 1), vec2(1, 0), vec2(0, 0)}) {
                 out.positions.emplace_back(base + across * double(2 * q.x - 1) +
