@@ -1445,6 +1445,14 @@ inline constexpr double degenerate_area_share = 1e-12;
     return selected;
 }
 
+/// Calls `visit(corner)` for the first corners of all faces, then the second and the third ones.
+template <class Visit>
+void for_each_corner(const face_table& faces, const Visit& visit) {
+    for (const columns3& corner : faces.corner) {
+        for (std::size_t row = 0; row < faces.size; ++row) visit(corner.get(row));
+    }
+}
+
 /// A point or vector in each lane.
 template <class V>
 struct vec3_lanes {
@@ -1953,11 +1961,12 @@ struct least_squares_fit {
         if (faces.size == 0) return start;
         const frame axes = frame_around(start.normal);
         dvec3 mean{0};
-        for_each_corner(faces, axes, [&](const dvec3& p) { mean += p; });
+        for_each_corner(faces, [&](const dvec3& corner) { mean += axes.to_local(corner); });
         mean /= 3 * static_cast<double>(faces.size);
         Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
         Eigen::Vector2d right = Eigen::Vector2d::Zero();
-        for_each_corner(faces, axes, [&](const dvec3& p) {
+        for_each_corner(faces, [&](const dvec3& corner) {
+            const dvec3 p = axes.to_local(corner);
             const Eigen::Vector2d xy(p.x - mean.x, p.y - mean.y);
             matrix += xy * xy.transpose();
             right += xy * (p.z - mean.z);
@@ -1968,16 +1977,6 @@ struct least_squares_fit {
         const Eigen::Vector2d slope = matrix.ldlt().solve(right);
         const dvec3 normal = axes.to_scene(glm::normalize(dvec3(-slope.x(), -slope.y(), 1)));
         return {normal, glm::dot(normal, axes.to_scene(mean))};
-    }
-
-private:
-    template <class Visit>
-    static void for_each_corner(const face_table& faces, const frame& axes, const Visit& visit) {
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) {
-                visit(axes.to_local(corner.get(row)));
-            }
-        }
     }
 };
 static_assert(plane_fitter<least_squares_fit>);
@@ -2040,13 +2039,11 @@ private:
     };
     [[nodiscard]] static extent extent_along(const face_table& faces, const dvec3& normal) {
         extent along;
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) {
-                const double offset = glm::dot(normal, corner.get(row));
-                along.low = std::min(along.low, offset);
-                along.high = std::max(along.high, offset);
-            }
-        }
+        for_each_corner(faces, [&](const dvec3& corner) {
+            const double offset = glm::dot(normal, corner);
+            along.low = std::min(along.low, offset);
+            along.high = std::max(along.high, offset);
+        });
         return along;
     }
 };
@@ -2089,14 +2086,6 @@ struct svd_fit {
             if (glm::dot(normal, start.normal) < 0) normal = -normal;
         }
         return {normal, glm::dot(normal, mean)};
-    }
-
-private:
-    template <class Visit>
-    static void for_each_corner(const face_table& faces, const Visit& visit) {
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) visit(corner.get(row));
-        }
     }
 };
 static_assert(plane_fitter<svd_fit>);
@@ -4749,9 +4738,12 @@ private:
         return best;
     }
 
-    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
+    [[nodiscard]] static std::uint32_t largest_face(const face_table& faces) {
         const auto largest = std::max_element(faces.area.begin(), faces.area.end());
-        return supporting_plane(faces, static_cast<std::size_t>(largest - faces.area.begin()));
+        return static_cast<std::uint32_t>(largest - faces.area.begin());
+    }
+    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
+        return supporting_plane(faces, largest_face(faces));
     }
 
     /// All remaining faces that are valid for the plane, not only those of the bin: re-evaluation
@@ -4764,8 +4756,7 @@ private:
             taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         }
         if (taken.empty()) {  // epsilon is below what floats resolve
-            const auto largest = std::max_element(remaining_.area.begin(), remaining_.area.end());
-            taken.push_back(static_cast<std::uint32_t>(largest - remaining_.area.begin()));
+            taken.push_back(largest_face(remaining_));
         }
         return taken;
     }

@@ -23,11 +23,12 @@ struct least_squares_fit {
         if (faces.size == 0) return start;
         const frame axes = frame_around(start.normal);
         dvec3 mean{0};
-        for_each_corner(faces, axes, [&](const dvec3& p) { mean += p; });
+        for_each_corner(faces, [&](const dvec3& corner) { mean += axes.to_local(corner); });
         mean /= 3 * static_cast<double>(faces.size);
         Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
         Eigen::Vector2d right = Eigen::Vector2d::Zero();
-        for_each_corner(faces, axes, [&](const dvec3& p) {
+        for_each_corner(faces, [&](const dvec3& corner) {
+            const dvec3 p = axes.to_local(corner);
             const Eigen::Vector2d xy(p.x - mean.x, p.y - mean.y);
             matrix += xy * xy.transpose();
             right += xy * (p.z - mean.z);
@@ -38,16 +39,6 @@ struct least_squares_fit {
         const Eigen::Vector2d slope = matrix.ldlt().solve(right);
         const dvec3 normal = axes.to_scene(glm::normalize(dvec3(-slope.x(), -slope.y(), 1)));
         return {normal, glm::dot(normal, axes.to_scene(mean))};
-    }
-
-private:
-    template <class Visit>
-    static void for_each_corner(const face_table& faces, const frame& axes, const Visit& visit) {
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) {
-                visit(axes.to_local(corner.get(row)));
-            }
-        }
     }
 };
 static_assert(plane_fitter<least_squares_fit>);

@@ -57,13 +57,11 @@ private:
     };
     [[nodiscard]] static extent extent_along(const face_table& faces, const dvec3& normal) {
         extent along;
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) {
-                const double offset = glm::dot(normal, corner.get(row));
-                along.low = std::min(along.low, offset);
-                along.high = std::max(along.high, offset);
-            }
-        }
+        for_each_corner(faces, [&](const dvec3& corner) {
+            const double offset = glm::dot(normal, corner);
+            along.low = std::min(along.low, offset);
+            along.high = std::max(along.high, offset);
+        });
         return along;
     }
 };

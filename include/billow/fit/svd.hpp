@@ -36,14 +36,6 @@ struct svd_fit {
         }
         return {normal, glm::dot(normal, mean)};
     }
-
-private:
-    template <class Visit>
-    static void for_each_corner(const face_table& faces, const Visit& visit) {
-        for (const columns3& corner : faces.corner) {
-            for (std::size_t row = 0; row < faces.size; ++row) visit(corner.get(row));
-        }
-    }
 };
 static_assert(plane_fitter<svd_fit>);
 

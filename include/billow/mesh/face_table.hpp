@@ -143,6 +143,14 @@ inline constexpr double degenerate_area_share = 1e-12;
     return selected;
 }
 
+/// Calls `visit(corner)` for the first corners of all faces, then the second and the third ones.
+template <class Visit>
+void for_each_corner(const face_table& faces, const Visit& visit) {
+    for (const columns3& corner : faces.corner) {
+        for (std::size_t row = 0; row < faces.size; ++row) visit(corner.get(row));
+    }
+}
+
 /// A point or vector in each lane.
 template <class V>
 struct vec3_lanes {

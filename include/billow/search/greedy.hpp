@@ -190,9 +190,12 @@ private:
         return best;
     }
 
-    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
+    [[nodiscard]] static std::uint32_t largest_face(const face_table& faces) {
         const auto largest = std::max_element(faces.area.begin(), faces.area.end());
-        return supporting_plane(faces, static_cast<std::size_t>(largest - faces.area.begin()));
+        return static_cast<std::uint32_t>(largest - faces.area.begin());
+    }
+    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
+        return supporting_plane(faces, largest_face(faces));
     }
 
     /// All remaining faces that are valid for the plane, not only those of the bin: re-evaluation
@@ -205,8 +208,7 @@ private:
             taken = faces_valid_for(remaining_, found, epsilon_, threads_);
         }
         if (taken.empty()) {  // epsilon is below what floats resolve
-            const auto largest = std::max_element(remaining_.area.begin(), remaining_.area.end());
-            taken.push_back(static_cast<std::uint32_t>(largest - remaining_.area.begin()));
+            taken.push_back(largest_face(remaining_));
         }
         return taken;
     }
