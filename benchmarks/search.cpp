@@ -12,9 +12,9 @@ void search(benchmark::State& state, std::size_t size, unsigned threads, refinem
     const double epsilon = bench::epsilon_share * scene.faces.bounds.radius;
     std::size_t planes = 0;
     bench::repeat(state, bench::ns_per_face(size), [&] {
-        const greedy_result result = greedy_search(
-            scene.faces, scene.mesh.face_count(), {.epsilon = epsilon, .refine = refine},
-            cube_map(), density_policies<>{}, least_squares_fit{}, {threads});
+        const greedy_result result =
+            greedy_search(scene.faces, scene.mesh.face_count(),
+                          {.epsilon = epsilon, .refine = refine}, pipeline{}, {threads});
         planes = result.cloud.plane_count();
     });
     state.counters["planes"] = static_cast<double>(planes);

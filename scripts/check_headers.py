@@ -28,8 +28,9 @@ LAYERS = [
     ["search"],
     ["improve"],
     ["bake"],
-    ["lod", "metrics", "io"],
+    ["metrics", "io"],
     ["pipeline"],
+    ["lod", "presets"],
     ["billow"],
 ]
 

@@ -384,11 +384,12 @@ using ivec2 = glm::ivec2;
 using mat3 = glm::mat3;
 
 using face_id = std::uint32_t;         ///< row of mesh::triangles
-using plane_id = std::uint32_t;        ///< row of assignment::planes, in the order of discovery
+using plane_id = std::uint32_t;        ///< row of billboard_cloud::planes, in the order of discovery
 using orientation_id = std::uint32_t;  ///< one normal of a plane space
 using material_id = std::uint32_t;     ///< row of mesh::materials
 using image_id = std::uint32_t;        ///< row of mesh::images
 using atlas_id = std::uint32_t;        ///< row of baked_cloud::atlases
+using part_id = std::uint32_t;         ///< row of billboard_cloud::parts
 
 /// Says "none" for every kind of id.
 inline constexpr std::uint32_t no_id = std::numeric_limits<std::uint32_t>::max();
@@ -4073,19 +4074,44 @@ struct billboard {
     double depth_high = 0;  ///< greatest such distance
 };
 
+/// A face that is drawn on a plane although it is mapped to another one.
+struct drawn_too {
+    plane_id plane = no_id;
+    face_id face = no_id;
+
+    friend auto operator<=>(const drawn_too&, const drawn_too&) = default;
+};
+
+/// What planes share that were searched together: those of a trunk, or of its foliage. Faces of one
+/// part are not drawn on the planes of another.
+struct cloud_part {
+    double epsilon = 0;  ///< the bound on the distance of a mapped vertex to its plane, scene units
+};
+
 /// A billboard cloud without its textures.
 ///
-/// Shape  P planes; `billboards` has one row a plane; `plane_of_face` one row a face of the mesh.
+/// Shape  P planes; `billboards` and `part_of_plane` have one row a plane; `plane_of_face` one row a
+///        face of the mesh.
 /// Unit   planes are relative to bounds.centre: a scene point p lies on plane i when
 ///        planes[i].normal·(p - bounds.centre) = planes[i].rho. Billboards are in scene units.
 struct billboard_cloud {
     bounding_sphere bounds{};
-    double epsilon = 0;  ///< the bound on the distance of a mapped vertex to its plane, scene units
+    double epsilon = 0;                     ///< the largest of the parts'
     std::vector<plane> planes{};            ///< in the order of discovery
     std::vector<plane_id> plane_of_face{};  ///< no_id: degenerate or skipped
     std::vector<billboard> billboards{};
+    std::vector<drawn_too> also_drawn{};   ///< ascending; counts for a billboard's size
+    std::vector<part_id> part_of_plane{};  ///< none: all planes are of one part
+    std::vector<cloud_part> parts{};       ///< none: one part with `epsilon`
 
     [[nodiscard]] std::size_t plane_count() const noexcept { return planes.size(); }
+    [[nodiscard]] part_id part_of(plane_id plane) const noexcept {
+        return part_of_plane.empty() ? 0 : part_of_plane[plane];
+    }
+    /// The bound for the faces of a plane, scene units.
+    [[nodiscard]] double epsilon_of(plane_id plane) const noexcept {
+        return parts.empty() ? epsilon : parts[part_of(plane)].epsilon;
+    }
 };
 
 /// The faces of each plane, in ascending order.
@@ -4273,7 +4299,7 @@ struct cloud_errors {
         errors.max_error = std::max(errors.max_error, largest);
         errors.mean_error += area * sum / 3;
         errors.projected_area_share += std::abs(glm::dot(p.normal, normal));
-        if (largest > cloud.epsilon * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
+        if (largest > cloud.epsilon_of(id) * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
         area_sum += area;
     }
     if (area_sum > 0) {
@@ -4403,6 +4429,114 @@ template <contribution<float> Contribution>
 #include <optional>
 #include <vector>
 
+// ---- billow/search/parts.hpp
+// The parts that a plane search is put together from.
+
+// ---- billow/search/grouping.hpp
+// Which of the faces that a plane may take it does take: the concept of a grouping.
+
+#include <concepts>
+#include <numeric>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Chooses among `valid`, the faces that are valid for a plane. The others stay for later planes.
+/// Gives rows of `valid`, ascending, at least one where there is one. Pure.
+template <class G>
+concept face_grouping = std::copyable<G> &&
+    requires(const G& choose, const face_table& valid, const plane& p, double epsilon,
+             parallel threads) {
+    { choose(valid, p, epsilon, threads) } -> std::same_as<face_rows>;
+    { G::takes_all } -> std::convertible_to<bool>;
+};
+
+/// A plane takes every face that is valid for it.
+struct whole_set {
+    static constexpr bool takes_all = true;
+
+    [[nodiscard]] face_rows operator()(const face_table& valid, const plane&, double,
+                                       parallel) const {
+        face_rows all(valid.size);
+        std::iota(all.begin(), all.end(), 0u);
+        return all;
+    }
+};
+static_assert(face_grouping<whole_set>);
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/motion.hpp
+// What happens to the vertices of the faces that are left when a plane has been found.
+
+#include <array>
+#include <concepts>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// A face of the mesh whose corners are drawn elsewhere. Unit: scene units, relative to the centre
+/// of the table that was searched.
+struct moved_face {
+    face_id face = no_id;
+    std::array<dvec3, 3> corners{};
+};
+
+/// Moves vertices during a search. The search works on a copy of its own, which it starts with all
+/// faces and tells of each plane.
+template <class M>
+concept vertex_motion = std::copyable<M> &&
+    requires(M& motion, const M& seen, const face_table& faces, const plane& p, double epsilon,
+             face_table& remaining, face_rows& rows) {
+    { M::is_still } -> std::convertible_to<bool>;
+    { motion.start(faces, epsilon) } -> std::same_as<void>;
+    /// Drops those `rows` of `faces` that must not be taken by `p` although their moved corners are
+    /// valid for it.
+    { seen.keep_allowed(faces, p, rows) } -> std::same_as<void>;
+    /// Told that `p` has taken `faces`. Gives the rows of `remaining` whose corners move.
+    { motion.plane_found(faces, p, remaining) } -> std::same_as<face_rows>;
+    /// Moves the corners of those rows, and what the table derives from them.
+    { seen.move(remaining, rows) } -> std::same_as<void>;
+    /// All faces with a corner that has moved, by face.
+    { seen.moved_faces() } -> std::same_as<std::vector<moved_face>>;
+};
+
+/// Every vertex stays where it is.
+struct fixed_vertices {
+    static constexpr bool is_still = true;
+
+    void start(const face_table&, double) noexcept {}
+    void keep_allowed(const face_table&, const plane&, face_rows&) const noexcept {}
+    [[nodiscard]] face_rows plane_found(const face_table&, const plane&, const face_table&) {
+        return {};
+    }
+    void move(face_table&, const face_rows&) const noexcept {}
+    [[nodiscard]] std::vector<moved_face> moved_faces() const { return {}; }
+};
+static_assert(vertex_motion<fixed_vertices>);
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
+/// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.
+template <plane_space Space = cube_map, class Policies = density_policies<>,
+          plane_fitter Fitter = least_squares_fit, face_grouping Grouping = whole_set,
+          vertex_motion Motion = fixed_vertices>
+struct pipeline {
+    Space space{};
+    Policies policies{};
+    Fitter fitter{};
+    Grouping grouping{};
+    Motion motion{};
+};
+template <class Space, class Policies = density_policies<>, class Fitter = least_squares_fit,
+          class Grouping = whole_set, class Motion = fixed_vertices>
+pipeline(Space, Policies = {}, Fitter = {}, Grouping = {}, Motion = {})
+    -> pipeline<Space, Policies, Fitter, Grouping, Motion>;
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/search/refine.hpp
 // From the densest bin to a plane: refinement.
 //
@@ -4591,28 +4725,31 @@ struct greedy_statistics {
 struct greedy_result {
     billboard_cloud cloud{};  ///< without billboards: fit_billboards adds them
     greedy_statistics statistics{};
+    std::vector<moved_face> moved{};  ///< what the motion moved, around cloud.bounds.centre
 };
 
 namespace detail {
 
 /// The state of one search. Its methods are the steps of the method, in their order.
-template <plane_space Space, class Policies, plane_fitter Fitter>
+template <class Pipeline>
 class greedy_searcher {
 public:
-    greedy_searcher(face_table faces, const Space& space, const Policies& policies,
-                    const Fitter& fitter, const greedy_options& options, parallel threads)
+    greedy_searcher(face_table faces, const Pipeline& parts, const greedy_options& options,
+                    parallel threads)
         : remaining_(std::move(faces)),
-          space_(space),
-          policies_(policies),
-          fitter_(fitter),
+          space_(parts.space),
+          policies_(parts.policies),
+          fitter_(parts.fitter),
+          grouping_(parts.grouping),
+          motion_(parts.motion),
           options_(options),
           threads_(threads),
           // Columns hold floats: within this margin the bound holds for the mesh's own vertices.
           epsilon_(
               std::max(options.epsilon - 1e-6 * remaining_.bounds.radius, options.epsilon / 2)),
-          rows_(make_rows(space)),
+          rows_(make_rows(space_)),
           grid_(rows_.size(), make_axis(), density_scale(remaining_)) {
-        for (const orientation_id id : rows_) cells_.push_back(space.cell(id));
+        for (const orientation_id id : rows_) cells_.push_back(space_.cell(id));
     }
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
@@ -4622,22 +4759,27 @@ public:
         result_.statistics.degenerate_faces = remaining_.degenerate.size();
         const double total_area = area_sum();
 
-        rasterize_density(remaining_, cells(), policies_, epsilon_, grid_, density_change::add,
-                          threads_);
+        motion_.start(remaining_, epsilon_);
+        change_density(remaining_, density_change::add);
         while (remaining_.size > 0 && !is_budget_spent()) {
             plane found = find_plane();
             face_rows taken = faces_taken_by(found);
             tweak(found, taken);
+            group(found, taken);
             emit(found, taken);
             report(progress, "search", 1 - area_sum() / total_area);
         }
         assign_leftovers();
+        result_.moved = motion_.moved_faces();
         return std::move(result_);
     }
 
 private:
+    using space_type = decltype(Pipeline::space);
+    using motion_type = decltype(Pipeline::motion);
+
     /// One row for n and -n, which share their planes.
-    [[nodiscard]] static std::vector<orientation_id> make_rows(const Space& space) {
+    [[nodiscard]] static std::vector<orientation_id> make_rows(const space_type& space) {
         std::vector<orientation_id> rows;
         for (orientation_id id = 0; id < space.orientation_count(); ++id) {
             if (id <= space.antipode(id)) rows.push_back(id);
@@ -4750,15 +4892,21 @@ private:
     /// (Luksch 2009, section 3.2). A plane that serves nobody gives way to that of the largest face,
     /// which takes at least its own face, so every round makes progress.
     [[nodiscard]] face_rows faces_taken_by(plane& found) const {
-        face_rows taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        face_rows taken = faces_allowed_on(found);
         if (taken.empty()) {
             found = plane_of_largest_face(remaining_);
-            taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+            taken = faces_allowed_on(found);
         }
         if (taken.empty()) {  // epsilon is below what floats resolve
             taken.push_back(largest_face(remaining_));
         }
         return taken;
+    }
+
+    [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
+        face_rows rows = faces_valid_for(remaining_, p, epsilon_, threads_);
+        motion_.keep_allowed(remaining_, p, rows);
+        return rows;
     }
 
     /// Moves the plane to its faces, if all of them stay valid; then takes the faces that have become
@@ -4774,9 +4922,23 @@ private:
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
         if (!fitter_.allows_less_contribution && contribution(moved) < contribution(found)) return;
+        face_rows moved_taken = faces_allowed_on(moved);
+        if (!std::ranges::includes(moved_taken, taken)) return;
         found = moved;
-        taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        taken = std::move(moved_taken);
         ++result_.statistics.tweaks;
+    }
+
+    /// Leaves to later planes what the grouping does not want on this one.
+    void group(const plane& found, face_rows& taken) const {
+        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
+            const face_rows kept =
+                grouping_(select_rows(remaining_, taken, threads_), found, epsilon_, threads_);
+            BILLOW_ASSERT(!kept.empty());
+            face_rows rows;
+            for (const std::uint32_t row : kept) rows.push_back(taken[row]);
+            taken = std::move(rows);
+        }
     }
 
     void emit(const plane& found, const face_rows& taken) {
@@ -4795,11 +4957,19 @@ private:
                 kept.push_back(row);
             }
         }
-        if (!kept.empty()) {
-            rasterize_density(select_rows(remaining_, taken, threads_), cells(), policies_,
-                              epsilon_, grid_, density_change::remove, threads_);
-        }
+        const face_table leaving = select_rows(remaining_, taken, threads_);
+        if (!kept.empty()) change_density(leaving, density_change::remove);
         remaining_ = select_rows(remaining_, kept, threads_);
+        if constexpr (!motion_type::is_still) {
+            const face_rows moving = motion_.plane_found(leaving, found, remaining_);
+            change_density(select_rows(remaining_, moving, threads_), density_change::remove);
+            motion_.move(remaining_, moving);
+            change_density(select_rows(remaining_, moving, threads_), density_change::add);
+        }
+    }
+
+    void change_density(const face_table& faces, density_change change) {
+        rasterize_density(faces, cells(), policies_, epsilon_, grid_, change, threads_);
     }
 
     /// Gives every face that is left to the plane whose farthest corner of the face is nearest.
@@ -4824,9 +4994,11 @@ private:
     }
 
     face_table remaining_;
-    const Space& space_;
-    const Policies& policies_;
-    const Fitter& fitter_;
+    const space_type& space_;
+    const decltype(Pipeline::policies)& policies_;
+    const decltype(Pipeline::fitter)& fitter_;
+    const decltype(Pipeline::grouping)& grouping_;
+    motion_type motion_;
     greedy_options options_;
     parallel threads_;
     double epsilon_;
@@ -4852,18 +5024,18 @@ private:
 ///         O(faces · planes); 130 bytes a face beyond the input. Same result for any thread count.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.3. Differs where the sources
 ///         err: see density/grid.hpp, policy/validity.hpp, search/refine.hpp.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
+template <class... Parts>
 [[nodiscard]] greedy_result greedy_search(face_table faces, std::size_t face_count,
                                           const greedy_options& options,
-                                          const Space& space = Space{},
-                                          const Policies& policies = {}, const Fitter& fitter = {},
-                                          parallel threads = {},
+                                          const pipeline<Parts...>& parts, parallel threads = {},
                                           const progress_function& progress = {}) {
     BILLOW_ASSERT(options.epsilon > 0 && options.rho_rate > 0);
-    return detail::greedy_searcher<Space, Policies, Fitter>(std::move(faces), space, policies,
-                                                            fitter, options, threads)
+    return detail::greedy_searcher<pipeline<Parts...>>(std::move(faces), parts, options, threads)
         .run(face_count, progress);
+}
+[[nodiscard]] inline greedy_result greedy_search(face_table faces, std::size_t face_count,
+                                                 const greedy_options& options) {
+    return greedy_search(std::move(faces), face_count, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -6915,18 +7087,6 @@ struct picture_scratch {
 
 namespace billow::inline BILLOW_ABI {
 
-/// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
-/// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
-struct pipeline {
-    Space space{};
-    Policies policies{};
-    Fitter fitter{};
-};
-template <class Space, class Policies, class Fitter>
-pipeline(Space, Policies, Fitter) -> pipeline<Space, Policies, Fitter>;
-
 /// A length: a share of the radius of the mesh's bounding sphere, or scene units.
 struct tolerance {
     double value = 0;
@@ -6970,11 +7130,10 @@ struct build_result {
 /// Fails   invalid_options: an epsilon that is not a positive number; and as make_face_table.
 ///         A mesh without any area gives a cloud without planes.
 /// Cost    as greedy_search and bake_cloud. The cloud is the same for any number of threads.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
-[[nodiscard]] expected<build_result> build_cloud(
-    const mesh& source, const build_options& options = {},
-    const pipeline<Space, Policies, Fitter>& parts = {}, const progress_function& progress = {}) {
+template <class... Parts>
+[[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
+                                                 const pipeline<Parts...>& parts,
+                                                 const progress_function& progress = {}) {
     if (!(options.epsilon.value > 0) || !std::isfinite(options.epsilon.value)) {
         return error{
             error_code::invalid_options,
@@ -6997,8 +7156,8 @@ template <plane_space Space = cube_map, class Policies = density_policies<>,
     }
     greedy_options search = options.search;
     search.epsilon = options.epsilon.in(faces->bounds);
-    greedy_result found = greedy_search(*faces, source.face_count(), search, parts.space,
-                                        parts.policies, parts.fitter, options.threads, progress);
+    greedy_result found =
+        greedy_search(*faces, source.face_count(), search, parts, options.threads, progress);
     result.cloud = std::move(found.cloud);
     result.statistics = found.statistics;
     result.search_seconds = seconds();
@@ -7008,6 +7167,10 @@ template <plane_space Space = cube_map, class Policies = density_policies<>,
         bake_cloud(source, *faces, result.cloud, options.bake, options.threads, progress);
     result.bake_seconds = seconds() - result.search_seconds;
     return result;
+}
+[[nodiscard]] inline expected<build_result> build_cloud(const mesh& source,
+                                                        const build_options& options = {}) {
+    return build_cloud(source, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI

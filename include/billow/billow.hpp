@@ -63,6 +63,9 @@
 
 #include <billow/search/face_sets.hpp>
 #include <billow/search/greedy.hpp>
+#include <billow/search/grouping.hpp>
+#include <billow/search/motion.hpp>
+#include <billow/search/parts.hpp>
 #include <billow/search/refine.hpp>
 
 #include <billow/bake/bake_cloud.hpp>

@@ -20,18 +20,6 @@
 
 namespace billow::inline BILLOW_ABI {
 
-/// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
-/// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
-struct pipeline {
-    Space space{};
-    Policies policies{};
-    Fitter fitter{};
-};
-template <class Space, class Policies, class Fitter>
-pipeline(Space, Policies, Fitter) -> pipeline<Space, Policies, Fitter>;
-
 /// A length: a share of the radius of the mesh's bounding sphere, or scene units.
 struct tolerance {
     double value = 0;
@@ -75,11 +63,10 @@ struct build_result {
 /// Fails   invalid_options: an epsilon that is not a positive number; and as make_face_table.
 ///         A mesh without any area gives a cloud without planes.
 /// Cost    as greedy_search and bake_cloud. The cloud is the same for any number of threads.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
-[[nodiscard]] expected<build_result> build_cloud(
-    const mesh& source, const build_options& options = {},
-    const pipeline<Space, Policies, Fitter>& parts = {}, const progress_function& progress = {}) {
+template <class... Parts>
+[[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
+                                                 const pipeline<Parts...>& parts,
+                                                 const progress_function& progress = {}) {
     if (!(options.epsilon.value > 0) || !std::isfinite(options.epsilon.value)) {
         return error{
             error_code::invalid_options,
@@ -102,8 +89,8 @@ template <plane_space Space = cube_map, class Policies = density_policies<>,
     }
     greedy_options search = options.search;
     search.epsilon = options.epsilon.in(faces->bounds);
-    greedy_result found = greedy_search(*faces, source.face_count(), search, parts.space,
-                                        parts.policies, parts.fitter, options.threads, progress);
+    greedy_result found =
+        greedy_search(*faces, source.face_count(), search, parts, options.threads, progress);
     result.cloud = std::move(found.cloud);
     result.statistics = found.statistics;
     result.search_seconds = seconds();
@@ -113,6 +100,10 @@ template <plane_space Space = cube_map, class Policies = density_policies<>,
         bake_cloud(source, *faces, result.cloud, options.bake, options.threads, progress);
     result.bake_seconds = seconds() - result.search_seconds;
     return result;
+}
+[[nodiscard]] inline expected<build_result> build_cloud(const mesh& source,
+                                                        const build_options& options = {}) {
+    return build_cloud(source, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI

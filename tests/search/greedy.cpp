@@ -29,8 +29,8 @@ greedy_result search(const mesh& m, double share, greedy_options options = {},
                      const Fitter& fitter = {}, unsigned threads = 0) {
     face_table faces = support::table_of(m);
     options.epsilon = faces.bounds.radius > 0 ? share * faces.bounds.radius : share;
-    return greedy_search(std::move(faces), m.face_count(), options, space, policies, fitter,
-                         {threads});
+    return greedy_search(std::move(faces), m.face_count(), options,
+                         pipeline{space, policies, fitter}, {threads});
 }
 
 /// Checks what every result promises: each face on one plane, within epsilon.
@@ -249,9 +249,8 @@ TEST_SUITE("search/greedy") {
         const mesh m = leaf_soup(500);
         double last = 0;
         greedy_options options{.epsilon = 0.1};
-        (void)greedy_search(support::table_of(m), m.face_count(), options, cube_map{8},
-                            density_policies<>{}, least_squares_fit{}, {},
-                            [&](std::string_view stage, double share) {
+        (void)greedy_search(support::table_of(m), m.face_count(), options, pipeline{cube_map{8}},
+                            {}, [&](std::string_view stage, double share) {
                                 CHECK(stage == "search");
                                 CHECK(share >= last);
                                 last = share;

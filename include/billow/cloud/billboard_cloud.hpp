@@ -25,19 +25,44 @@ struct billboard {
     double depth_high = 0;  ///< greatest such distance
 };
 
+/// A face that is drawn on a plane although it is mapped to another one.
+struct drawn_too {
+    plane_id plane = no_id;
+    face_id face = no_id;
+
+    friend auto operator<=>(const drawn_too&, const drawn_too&) = default;
+};
+
+/// What planes share that were searched together: those of a trunk, or of its foliage. Faces of one
+/// part are not drawn on the planes of another.
+struct cloud_part {
+    double epsilon = 0;  ///< the bound on the distance of a mapped vertex to its plane, scene units
+};
+
 /// A billboard cloud without its textures.
 ///
-/// Shape  P planes; `billboards` has one row a plane; `plane_of_face` one row a face of the mesh.
+/// Shape  P planes; `billboards` and `part_of_plane` have one row a plane; `plane_of_face` one row a
+///        face of the mesh.
 /// Unit   planes are relative to bounds.centre: a scene point p lies on plane i when
 ///        planes[i].normal·(p - bounds.centre) = planes[i].rho. Billboards are in scene units.
 struct billboard_cloud {
     bounding_sphere bounds{};
-    double epsilon = 0;  ///< the bound on the distance of a mapped vertex to its plane, scene units
+    double epsilon = 0;                     ///< the largest of the parts'
     std::vector<plane> planes{};            ///< in the order of discovery
     std::vector<plane_id> plane_of_face{};  ///< no_id: degenerate or skipped
     std::vector<billboard> billboards{};
+    std::vector<drawn_too> also_drawn{};   ///< ascending; counts for a billboard's size
+    std::vector<part_id> part_of_plane{};  ///< none: all planes are of one part
+    std::vector<cloud_part> parts{};       ///< none: one part with `epsilon`
 
     [[nodiscard]] std::size_t plane_count() const noexcept { return planes.size(); }
+    [[nodiscard]] part_id part_of(plane_id plane) const noexcept {
+        return part_of_plane.empty() ? 0 : part_of_plane[plane];
+    }
+    /// The bound for the faces of a plane, scene units.
+    [[nodiscard]] double epsilon_of(plane_id plane) const noexcept {
+        return parts.empty() ? epsilon : parts[part_of(plane)].epsilon;
+    }
 };
 
 /// The faces of each plane, in ascending order.

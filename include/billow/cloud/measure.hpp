@@ -42,7 +42,7 @@ struct cloud_errors {
         errors.max_error = std::max(errors.max_error, largest);
         errors.mean_error += area * sum / 3;
         errors.projected_area_share += std::abs(glm::dot(p.normal, normal));
-        if (largest > cloud.epsilon * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
+        if (largest > cloud.epsilon_of(id) * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
         area_sum += area;
     }
     if (area_sum > 0) {

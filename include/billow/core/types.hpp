@@ -26,11 +26,12 @@ using ivec2 = glm::ivec2;
 using mat3 = glm::mat3;
 
 using face_id = std::uint32_t;         ///< row of mesh::triangles
-using plane_id = std::uint32_t;        ///< row of assignment::planes, in the order of discovery
+using plane_id = std::uint32_t;        ///< row of billboard_cloud::planes, in the order of discovery
 using orientation_id = std::uint32_t;  ///< one normal of a plane space
 using material_id = std::uint32_t;     ///< row of mesh::materials
 using image_id = std::uint32_t;        ///< row of mesh::images
 using atlas_id = std::uint32_t;        ///< row of baked_cloud::atlases
+using part_id = std::uint32_t;         ///< row of billboard_cloud::parts
 
 /// Says "none" for every kind of id.
 inline constexpr std::uint32_t no_id = std::numeric_limits<std::uint32_t>::max();

@@ -14,9 +14,7 @@
 #include <billow/cloud/billboard_cloud.hpp>
 #include <billow/core/progress.hpp>
 #include <billow/fit/average.hpp>
-#include <billow/fit/fit.hpp>
-#include <billow/fit/least_squares.hpp>
-#include <billow/plane_space/cube_map.hpp>
+#include <billow/search/parts.hpp>
 #include <billow/search/refine.hpp>
 
 namespace billow::inline BILLOW_ABI {
@@ -43,28 +41,31 @@ struct greedy_statistics {
 struct greedy_result {
     billboard_cloud cloud{};  ///< without billboards: fit_billboards adds them
     greedy_statistics statistics{};
+    std::vector<moved_face> moved{};  ///< what the motion moved, around cloud.bounds.centre
 };
 
 namespace detail {
 
 /// The state of one search. Its methods are the steps of the method, in their order.
-template <plane_space Space, class Policies, plane_fitter Fitter>
+template <class Pipeline>
 class greedy_searcher {
 public:
-    greedy_searcher(face_table faces, const Space& space, const Policies& policies,
-                    const Fitter& fitter, const greedy_options& options, parallel threads)
+    greedy_searcher(face_table faces, const Pipeline& parts, const greedy_options& options,
+                    parallel threads)
         : remaining_(std::move(faces)),
-          space_(space),
-          policies_(policies),
-          fitter_(fitter),
+          space_(parts.space),
+          policies_(parts.policies),
+          fitter_(parts.fitter),
+          grouping_(parts.grouping),
+          motion_(parts.motion),
           options_(options),
           threads_(threads),
           // Columns hold floats: within this margin the bound holds for the mesh's own vertices.
           epsilon_(
               std::max(options.epsilon - 1e-6 * remaining_.bounds.radius, options.epsilon / 2)),
-          rows_(make_rows(space)),
+          rows_(make_rows(space_)),
           grid_(rows_.size(), make_axis(), density_scale(remaining_)) {
-        for (const orientation_id id : rows_) cells_.push_back(space.cell(id));
+        for (const orientation_id id : rows_) cells_.push_back(space_.cell(id));
     }
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
@@ -74,22 +75,27 @@ public:
         result_.statistics.degenerate_faces = remaining_.degenerate.size();
         const double total_area = area_sum();
 
-        rasterize_density(remaining_, cells(), policies_, epsilon_, grid_, density_change::add,
-                          threads_);
+        motion_.start(remaining_, epsilon_);
+        change_density(remaining_, density_change::add);
         while (remaining_.size > 0 && !is_budget_spent()) {
             plane found = find_plane();
             face_rows taken = faces_taken_by(found);
             tweak(found, taken);
+            group(found, taken);
             emit(found, taken);
             report(progress, "search", 1 - area_sum() / total_area);
         }
         assign_leftovers();
+        result_.moved = motion_.moved_faces();
         return std::move(result_);
     }
 
 private:
+    using space_type = decltype(Pipeline::space);
+    using motion_type = decltype(Pipeline::motion);
+
     /// One row for n and -n, which share their planes.
-    [[nodiscard]] static std::vector<orientation_id> make_rows(const Space& space) {
+    [[nodiscard]] static std::vector<orientation_id> make_rows(const space_type& space) {
         std::vector<orientation_id> rows;
         for (orientation_id id = 0; id < space.orientation_count(); ++id) {
             if (id <= space.antipode(id)) rows.push_back(id);
@@ -202,15 +208,21 @@ private:
     /// (Luksch 2009, section 3.2). A plane that serves nobody gives way to that of the largest face,
     /// which takes at least its own face, so every round makes progress.
     [[nodiscard]] face_rows faces_taken_by(plane& found) const {
-        face_rows taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        face_rows taken = faces_allowed_on(found);
         if (taken.empty()) {
             found = plane_of_largest_face(remaining_);
-            taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+            taken = faces_allowed_on(found);
         }
         if (taken.empty()) {  // epsilon is below what floats resolve
             taken.push_back(largest_face(remaining_));
         }
         return taken;
+    }
+
+    [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
+        face_rows rows = faces_valid_for(remaining_, p, epsilon_, threads_);
+        motion_.keep_allowed(remaining_, p, rows);
+        return rows;
     }
 
     /// Moves the plane to its faces, if all of them stay valid; then takes the faces that have become
@@ -226,9 +238,23 @@ private:
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
         if (!fitter_.allows_less_contribution && contribution(moved) < contribution(found)) return;
+        face_rows moved_taken = faces_allowed_on(moved);
+        if (!std::ranges::includes(moved_taken, taken)) return;
         found = moved;
-        taken = faces_valid_for(remaining_, found, epsilon_, threads_);
+        taken = std::move(moved_taken);
         ++result_.statistics.tweaks;
+    }
+
+    /// Leaves to later planes what the grouping does not want on this one.
+    void group(const plane& found, face_rows& taken) const {
+        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
+            const face_rows kept =
+                grouping_(select_rows(remaining_, taken, threads_), found, epsilon_, threads_);
+            BILLOW_ASSERT(!kept.empty());
+            face_rows rows;
+            for (const std::uint32_t row : kept) rows.push_back(taken[row]);
+            taken = std::move(rows);
+        }
     }
 
     void emit(const plane& found, const face_rows& taken) {
@@ -247,11 +273,19 @@ private:
                 kept.push_back(row);
             }
         }
-        if (!kept.empty()) {
-            rasterize_density(select_rows(remaining_, taken, threads_), cells(), policies_,
-                              epsilon_, grid_, density_change::remove, threads_);
-        }
+        const face_table leaving = select_rows(remaining_, taken, threads_);
+        if (!kept.empty()) change_density(leaving, density_change::remove);
         remaining_ = select_rows(remaining_, kept, threads_);
+        if constexpr (!motion_type::is_still) {
+            const face_rows moving = motion_.plane_found(leaving, found, remaining_);
+            change_density(select_rows(remaining_, moving, threads_), density_change::remove);
+            motion_.move(remaining_, moving);
+            change_density(select_rows(remaining_, moving, threads_), density_change::add);
+        }
+    }
+
+    void change_density(const face_table& faces, density_change change) {
+        rasterize_density(faces, cells(), policies_, epsilon_, grid_, change, threads_);
     }
 
     /// Gives every face that is left to the plane whose farthest corner of the face is nearest.
@@ -276,9 +310,11 @@ private:
     }
 
     face_table remaining_;
-    const Space& space_;
-    const Policies& policies_;
-    const Fitter& fitter_;
+    const space_type& space_;
+    const decltype(Pipeline::policies)& policies_;
+    const decltype(Pipeline::fitter)& fitter_;
+    const decltype(Pipeline::grouping)& grouping_;
+    motion_type motion_;
     greedy_options options_;
     parallel threads_;
     double epsilon_;
@@ -304,18 +340,18 @@ private:
 ///         O(faces · planes); 130 bytes a face beyond the input. Same result for any thread count.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.3. Differs where the sources
 ///         err: see density/grid.hpp, policy/validity.hpp, search/refine.hpp.
-template <plane_space Space = cube_map, class Policies = density_policies<>,
-          plane_fitter Fitter = least_squares_fit>
+template <class... Parts>
 [[nodiscard]] greedy_result greedy_search(face_table faces, std::size_t face_count,
                                           const greedy_options& options,
-                                          const Space& space = Space{},
-                                          const Policies& policies = {}, const Fitter& fitter = {},
-                                          parallel threads = {},
+                                          const pipeline<Parts...>& parts, parallel threads = {},
                                           const progress_function& progress = {}) {
     BILLOW_ASSERT(options.epsilon > 0 && options.rho_rate > 0);
-    return detail::greedy_searcher<Space, Policies, Fitter>(std::move(faces), space, policies,
-                                                            fitter, options, threads)
+    return detail::greedy_searcher<pipeline<Parts...>>(std::move(faces), parts, options, threads)
         .run(face_count, progress);
+}
+[[nodiscard]] inline greedy_result greedy_search(face_table faces, std::size_t face_count,
+                                                 const greedy_options& options) {
+    return greedy_search(std::move(faces), face_count, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI
