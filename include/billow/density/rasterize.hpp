@@ -17,6 +17,8 @@
 #include <billow/mesh/face_table.hpp>
 #include <billow/plane_space/plane_space.hpp>
 #include <billow/policy/contribution.hpp>
+#include <billow/policy/falloff.hpp>
+#include <billow/policy/orientation_bias.hpp>
 #include <billow/policy/penalty.hpp>
 #include <billow/policy/validity.hpp>
 
@@ -24,7 +26,7 @@ namespace billow::inline BILLOW_ABI {
 
 /// The policies that make a density.
 template <class Validity = hull_of_samples, class Contribution = projected_area,
-          class Penalty = inner_side_penalty>
+          class Penalty = inner_side_penalty, class Falloff = no_falloff, class Bias = no_bias>
 struct density_policies {
     /// Where nothing is charged, the ramps of the penalty are not drawn.
     static constexpr bool charges = !std::same_as<Penalty, no_penalty>;
@@ -32,10 +34,13 @@ struct density_policies {
     Validity validity{};
     Contribution contribution{};
     Penalty penalty{};
+    Falloff falloff{};
+    Bias bias{};
 };
-template <class Validity, class Contribution, class Penalty>
-density_policies(Validity, Contribution, Penalty)
-    -> density_policies<Validity, Contribution, Penalty>;
+template <class Validity, class Contribution = projected_area, class Penalty = inner_side_penalty,
+          class Falloff = no_falloff, class Bias = no_bias>
+density_policies(Validity, Contribution = {}, Penalty = {}, Falloff = {}, Bias = {})
+    -> density_policies<Validity, Contribution, Penalty, Falloff, Bias>;
 
 /// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30.
 [[nodiscard]] inline double density_scale(const face_table& faces) noexcept {
@@ -158,16 +163,17 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
 /// Cost    O(faces · rows), parallel over rows, no allocation.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.6.
 template <class V = simd::wide, validity<V> Validity, contribution<V> Contribution,
-          penalty<V> Penalty>
-void rasterize_density(const face_table& faces, std::span<const orientation_cell> cells,
-                       const density_policies<Validity, Contribution, Penalty>& policies,
-                       double epsilon, density_grid& grid,
-                       density_change change = density_change::add, parallel threads = {}) {
+          penalty<V> Penalty, falloff<V> Falloff, orientation_bias Bias>
+void rasterize_density(
+    const face_table& faces, std::span<const orientation_cell> cells,
+    const density_policies<Validity, Contribution, Penalty, Falloff, Bias>& policies,
+    double epsilon, density_grid& grid, density_change change = density_change::add,
+    parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
-    constexpr bool charges = density_policies<Validity, Contribution, Penalty>::charges;
+    constexpr bool charges = std::remove_cvref_t<decltype(policies)>::charges;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
