@@ -31,6 +31,7 @@ TEST_SUITE("core/simd") {
         check_lanes([](auto x, auto y) { return simd::min(x, y); });
         check_lanes([](auto x, auto y) { return simd::max(x, y); });
         check_lanes([](auto x, auto) { return simd::abs(x); });
+        check_lanes([](auto x, auto) { return simd::sqrt(simd::abs(x)); });
         check_lanes([](auto x, auto y) { return simd::select(x < y, x * y, x - y); });
         check_lanes([](auto x, auto y) {
             using V = decltype(x);

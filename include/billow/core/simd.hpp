@@ -5,13 +5,16 @@
 // (simd::abs), since a bare abs would find the integer one.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 #include <billow/core/config.hpp>
 
-#if BILLOW_LANES == 4 && defined(__SSE__)
+#if BILLOW_LANES > 4
+#include <immintrin.h>
+#elif BILLOW_LANES == 4 && defined(__SSE__)
 #include <xmmintrin.h>
 #endif
 
@@ -29,6 +32,7 @@ inline constexpr std::size_t max_lane_count = 16;
 [[nodiscard]] inline float min(float a, float b) noexcept { return a < b ? a : b; }
 [[nodiscard]] inline float max(float a, float b) noexcept { return a > b ? a : b; }
 [[nodiscard]] inline float abs(float a) noexcept { return a < 0 ? -a : a; }
+[[nodiscard]] inline float sqrt(float a) noexcept { return std::sqrt(a); }
 [[nodiscard]] inline float select(bool mask, float yes, float no) noexcept {
     return mask ? yes : no;
 }
@@ -63,6 +67,19 @@ typedef std::int32_t wide_int __attribute__((vector_size(4 * BILLOW_LANES)));
 #endif
 [[nodiscard]] inline wide abs(wide a) noexcept {
     return reinterpret_cast<wide>(reinterpret_cast<wide_int>(a) & 0x7fffffff);
+}
+// Compilers know no operator for it. IEEE 754 rounds it alike everywhere.
+[[nodiscard]] inline wide sqrt(wide a) noexcept {
+#if BILLOW_LANES == 16
+    return _mm512_sqrt_ps(a);
+#elif BILLOW_LANES == 8
+    return _mm256_sqrt_ps(a);
+#elif defined(__SSE__)
+    return _mm_sqrt_ps(a);
+#else
+    for (std::size_t i = 0; i < lane_count; ++i) a[i] = std::sqrt(a[i]);
+    return a;
+#endif
 }
 [[nodiscard]] inline wide select(wide_int mask, wide yes, wide no) noexcept {
     return mask ? yes : no;
