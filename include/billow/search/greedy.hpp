@@ -13,8 +13,10 @@
 
 #include <billow/cloud/billboard_cloud.hpp>
 #include <billow/core/progress.hpp>
-#include <billow/fit/average.hpp>
+#include <billow/search/fail_safe.hpp>
+#include <billow/search/leftovers.hpp>
 #include <billow/search/parts.hpp>
+#include <billow/search/plane_distribution.hpp>
 #include <billow/search/refine.hpp>
 
 namespace billow::inline BILLOW_ABI {
@@ -24,6 +26,12 @@ struct greedy_options {
     double rho_rate = 1.5;       ///< offset bins per epsilon, > 0; Luksch 2009: stable from 0.75 on
     std::size_t max_planes = 0;  ///< 0: as many as it takes; else faces that are left join the
                                  ///< plane of least error, which breaks epsilon for them
+    double skip_area = 0;  ///< share of the faces' area, [0, 1): the search ends when less is left;
+                           ///< those faces join a plane within `skipped`, or none
+    double min_contribution = 0;  ///< share of the faces' area, [0, 1): the search ends before a
+                                  ///< plane that would collect less; its faces are skipped too
+    skip_limits skipped{};        ///< where skipped faces may go
+    plane_distribution distribution{};  ///< restrains planes that are parallel to earlier ones
     refinement refine = refinement::fail_safe;
     int max_levels = 12;          ///< of refinement, > 0
     double sufficient_share = 1;  ///< refine_options::sufficient_share
@@ -31,11 +39,26 @@ struct greedy_options {
 
 /// What the search did.
 struct greedy_statistics {
-    std::size_t refinement_levels = 0;  ///< sum over the planes
+    std::size_t refined_planes = 0;     ///< planes that refinement found
+    std::size_t refinement_levels = 0;  ///< sum over those planes
     std::size_t fail_safes = 0;         ///< planes that refinement did not find
     std::size_t tweaks = 0;             ///< planes that the fitter moved
     std::size_t degenerate_faces = 0;   ///< set aside: they have no area
-    std::size_t leftover_faces = 0;     ///< joined the plane of least error, see max_planes
+    /// Faces without a plane when max_planes, skip_area or min_contribution ended the search, and
+    /// those of them that found none afterwards: far or edge-on to all planes.
+    std::size_t leftover_faces = 0;
+    std::size_t dropped_faces = 0;
+    /// Shares of the faces' area: of the leftover and the dropped faces, and of the leftover faces
+    /// that joined a plane although a corner is beyond epsilon.
+    double leftover_area_share = 0;
+    double dropped_area_share = 0;
+    double beyond_epsilon_area_share = 0;
+
+    [[nodiscard]] double mean_refinement_level() const noexcept {
+        return refined_planes == 0
+                   ? 0
+                   : static_cast<double>(refinement_levels) / static_cast<double>(refined_planes);
+    }
 };
 
 struct greedy_result {
@@ -64,28 +87,31 @@ public:
           epsilon_(
               std::max(options.epsilon - 1e-6 * remaining_.bounds.radius, options.epsilon / 2)),
           rows_(make_rows(space_)),
-          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {
-        for (const orientation_id id : rows_) cells_.push_back(space_.cell(id));
-    }
+          cells_(make_cells()),
+          weights_(cells_, policies_.bias, options.distribution),
+          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {}
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
         result_.cloud.bounds = remaining_.bounds;
         result_.cloud.epsilon = options_.epsilon;
         result_.cloud.plane_of_face.assign(face_count, no_id);
         result_.statistics.degenerate_faces = remaining_.degenerate.size();
-        const double total_area = area_sum();
+        const double total_area = area_of(remaining_);
 
         motion_.start(remaining_, epsilon_);
         change_density(remaining_, density_change::add);
-        while (remaining_.size > 0 && !is_budget_spent()) {
+        double left = 1;
+        while (remaining_.size > 0 && !is_budget_spent() && !(left < options_.skip_area)) {
             plane found = find_plane();
             face_rows taken = faces_taken_by(found);
             tweak(found, taken);
-            group(found, taken);
+            if (collects_too_little(found, taken, total_area)) break;
             emit(found, taken);
-            report(progress, "search", 1 - area_sum() / total_area);
+            left = area_of(remaining_) / total_area;
+            report(progress, "search", 1 - left);
         }
-        assign_leftovers();
+        assign_leftovers(total_area);
+        if (left > 0) report(progress, "search", 1);
         result_.moved = motion_.moved_faces();
         return std::move(result_);
     }
@@ -103,6 +129,12 @@ private:
         return rows;
     }
 
+    [[nodiscard]] std::vector<orientation_cell> make_cells() const {
+        std::vector<orientation_cell> cells;
+        for (const orientation_id id : rows_) cells.push_back(space_.cell(id));
+        return cells;
+    }
+
     /// Bins over [-R, R] with a border at 0. Very small epsilons get bins of R / 2048.
     [[nodiscard]] offset_axis make_axis() const {
         constexpr double max_bins = 2048;
@@ -113,11 +145,18 @@ private:
     }
 
     [[nodiscard]] std::span<const orientation_cell> cells() const noexcept { return cells_; }
-    [[nodiscard]] double area_sum() const noexcept {
-        return std::accumulate(remaining_.area.begin(), remaining_.area.end(), 0.0);
+    [[nodiscard]] static double area_of(const face_table& faces) noexcept {
+        return std::accumulate(faces.area.begin(), faces.area.end(), 0.0);
     }
     [[nodiscard]] bool is_budget_spent() const noexcept {
         return options_.max_planes != 0 && result_.cloud.planes.size() >= options_.max_planes;
+    }
+    /// Never true for the first plane, so that skipped faces have somewhere to go.
+    [[nodiscard]] bool collects_too_little(const plane& found, const face_rows& taken,
+                                           double total_area) const {
+        return options_.min_contribution > 0 && !result_.cloud.planes.empty() &&
+               contribution_of(remaining_, taken, found.normal, policies_.contribution) <
+                   options_.min_contribution * total_area;
     }
 
     [[nodiscard]] plane find_plane() {
@@ -139,69 +178,36 @@ private:
                                            .sufficient_share = options_.sufficient_share},
                                           threads_);
         if (refined) {
+            ++result_.statistics.refined_planes;
             result_.statistics.refinement_levels += static_cast<std::size_t>(refined->level);
             return refined->plane;
         }
         ++result_.statistics.fail_safes;
         if (candidates.size == 0) return plane_of_largest_face(remaining_);
         if (is_original) return plane_of_largest_face(candidates);
-        return fail_safe(*bin, candidates);
+        return fail_safe_plane(remaining_, candidates, centre_plane(space_, *bin), epsilon_,
+                               policies_.contribution, threads_);
     }
 
     /// The densest bin; where penalties leave none above 0, that of most contribution; nothing when
-    /// no face is simple-valid anywhere.
+    /// no face is simple-valid anywhere. Biases weigh both (Fuhrmann et al. 2005, section 3.3.5).
     [[nodiscard]] std::optional<plane_bin> find_bin() const {
-        const double weight = policies_.penalty.weight;
+        const double charge = policies_.penalty.weight;
         dense_bin best = densest_bin(
             grid_,
-            [weight](std::size_t, double c, double p) {
-                return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
+            [&](std::size_t row, double c, double p) {
+                return c > 0 ? biased(c - charge * p, weights_[row])
+                             : -std::numeric_limits<double>::max();
             },
             threads_);
         if (best.density <= 0) {
             best = densest_bin(
-                grid_, [](std::size_t, double c, double) { return c; }, threads_);
+                grid_, [&](std::size_t row, double c, double) { return biased(c, weights_[row]); },
+                threads_);
         }
         if (best.contribution <= 0) return std::nullopt;
         const double low = grid_.axis().origin + best.bin * grid_.axis().spacing;
         return plane_bin{space_.patch(rows_[best.row]), low, low + grid_.axis().spacing};
-    }
-
-    /// Of the bin's centre plane, the average plane of its faces and the planes of its largest
-    /// faces, the one of most contribution. Source: Fuhrmann et al. 2005, section 3.3.2; Luksch
-    /// 2009, section 3.2. Differs: at most 32 faces are tried, the largest, instead of all.
-    [[nodiscard]] plane fail_safe(const plane_bin& bin, const face_table& candidates) const {
-        const plane centre = centre_plane(space_, bin);
-        std::vector<plane> tries{centre, average_fit{}(candidates, centre)};
-        face_rows order(candidates.size);
-        std::iota(order.begin(), order.end(), 0u);
-        const std::size_t count = std::min<std::size_t>(32, order.size());
-        std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
-                          order.end(), [&](std::uint32_t a, std::uint32_t b) {
-                              const float area_a = candidates.area[a];
-                              const float area_b = candidates.area[b];
-                              return area_a != area_b ? area_a > area_b : a < b;
-                          });
-        for (std::size_t i = 0; i < count; ++i) {
-            tries.push_back(supporting_plane(candidates, order[i]));
-        }
-        plane best = tries.front();
-        double most = -1;
-        for (const plane& p : tries) {
-            const double contribution =
-                contribution_of(remaining_, faces_valid_for(remaining_, p, epsilon_, threads_),
-                                p.normal, policies_.contribution);
-            if (contribution > most) most = contribution, best = p;
-        }
-        return best;
-    }
-
-    [[nodiscard]] static std::uint32_t largest_face(const face_table& faces) {
-        const auto largest = std::max_element(faces.area.begin(), faces.area.end());
-        return static_cast<std::uint32_t>(largest - faces.area.begin());
-    }
-    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
-        return supporting_plane(faces, largest_face(faces));
     }
 
     /// All remaining faces that are valid for the plane, not only those of the bin: re-evaluation
@@ -219,9 +225,17 @@ private:
         return taken;
     }
 
+    /// The faces that the plane may take, or those of them that the grouping wants on it.
     [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
         face_rows rows = faces_valid_for(remaining_, p, epsilon_, threads_);
         motion_.keep_allowed(remaining_, p, rows);
+        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
+            face_rows wanted =
+                grouping_(select_rows(remaining_, rows, threads_), p, epsilon_, threads_);
+            BILLOW_ASSERT(rows.empty() || !wanted.empty());
+            for (std::uint32_t& row : wanted) row = rows[row];
+            return wanted;
+        }
         return rows;
     }
 
@@ -245,21 +259,10 @@ private:
         ++result_.statistics.tweaks;
     }
 
-    /// Leaves to later planes what the grouping does not want on this one.
-    void group(const plane& found, face_rows& taken) const {
-        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
-            const face_rows kept =
-                grouping_(select_rows(remaining_, taken, threads_), found, epsilon_, threads_);
-            BILLOW_ASSERT(!kept.empty());
-            face_rows rows;
-            for (const std::uint32_t row : kept) rows.push_back(taken[row]);
-            taken = std::move(rows);
-        }
-    }
-
     void emit(const plane& found, const face_rows& taken) {
         const auto id = static_cast<plane_id>(result_.cloud.planes.size());
         result_.cloud.planes.push_back(canonical(found));
+        weights_.plane_found(found.normal);
         for (const std::uint32_t row : taken) {
             result_.cloud.plane_of_face[remaining_.source[row]] = id;
         }
@@ -288,25 +291,28 @@ private:
         rasterize_density(faces, cells(), policies_, epsilon_, grid_, change, threads_);
     }
 
-    /// Gives every face that is left to the plane whose farthest corner of the face is nearest.
-    void assign_leftovers() {
-        result_.statistics.leftover_faces = remaining_.size;
+    /// After max_planes every face keeps a plane; what is skipped goes to the nearest sensible one.
+    void assign_leftovers(double total_area) {
+        if (remaining_.size == 0) return;
         const std::vector<plane>& planes = result_.cloud.planes;
-        threads_.for_chunks(remaining_.size, 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t row = begin; row < end; ++row) {
-                plane_id nearest = no_id;
-                double least = std::numeric_limits<double>::infinity();
-                for (plane_id id = 0; id < planes.size(); ++id) {
-                    double error = 0;
-                    for (const columns3& corner : remaining_.corner) {
-                        error =
-                            std::max(error, std::abs(signed_distance(planes[id], corner.get(row))));
-                    }
-                    if (error < least) least = error, nearest = id;
-                }
-                result_.cloud.plane_of_face[remaining_.source[row]] = nearest;
+        const std::vector<plane_id> plane_of =
+            is_budget_spent() ? planes_of_least_error(remaining_, planes, threads_)
+                              : nearest_planes_within(remaining_, planes, options_.epsilon,
+                                                      options_.skipped, threads_);
+        greedy_statistics& statistics = result_.statistics;
+        statistics.leftover_faces = remaining_.size;
+        for (std::size_t row = 0; row < remaining_.size; ++row) {
+            const double share = static_cast<double>(remaining_.area[row]) / total_area;
+            statistics.leftover_area_share += share;
+            result_.cloud.plane_of_face[remaining_.source[row]] = plane_of[row];
+            if (plane_of[row] == no_id) {
+                ++statistics.dropped_faces;
+                statistics.dropped_area_share += share;
+            } else if (distances_to(planes[plane_of[row]], remaining_, row).largest >
+                       options_.epsilon) {
+                statistics.beyond_epsilon_area_share += share;
             }
-        });
+        }
     }
 
     face_table remaining_;
@@ -320,6 +326,7 @@ private:
     double epsilon_;
     std::vector<orientation_id> rows_;
     std::vector<orientation_cell> cells_;
+    orientation_weights weights_;
     density_grid grid_;
     greedy_result result_;
 };
