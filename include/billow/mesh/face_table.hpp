@@ -50,6 +50,19 @@ struct face_table {
     [[nodiscard]] dvec3 centroid(std::size_t row) const noexcept {
         return (corner[0].get(row) + corner[1].get(row) + corner[2].get(row)) / 3.0;
     }
+    /// Sets a row's corners and all that follows from them but its area and normal, which are given:
+    /// a face of area 0 has none of its own.
+    void set(std::size_t row, const std::array<dvec3, 3>& corners, const dvec3& unit_normal,
+             double face_area) noexcept {
+        double farthest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            corner[k].set(row, corners[k]);
+            farthest = std::max(farthest, glm::length(corners[k]));
+        }
+        normal.set(row, unit_normal);
+        area[row] = static_cast<float>(face_area);
+        reach[row] = static_cast<float>(farthest);
+    }
     /// Makes room for `rows` faces and their padding.
     void resize(std::size_t rows) {
         size = rows;
@@ -109,14 +122,7 @@ inline constexpr double degenerate_area_share = 1e-12;
             faces.degenerate.push_back(face);
             continue;
         }
-        double reach = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            faces.corner[k].set(row, corners[k]);
-            reach = std::max(reach, glm::length(corners[k]));
-        }
-        faces.normal.set(row, cross / doubled_area);
-        faces.area[row] = static_cast<float>(doubled_area / 2);
-        faces.reach[row] = static_cast<float>(reach);
+        faces.set(row, corners, cross / doubled_area, doubled_area / 2);
         faces.source[row++] = face;
     }
     faces.resize(row);
