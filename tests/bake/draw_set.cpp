@@ -41,7 +41,7 @@ TEST_SUITE("bake/draw_set") {
         fit_billboards(m, cloud);
         const std::vector<draw_target> targets{target_of(cloud.billboards[0], 64)};
         const double least_cosine = std::cos(75 * std::numbers::pi / 180);
-        const draw_sets sets(faces, cloud, targets, least_cosine, {});
+        const draw_sets sets(faces, cloud, targets, {least_cosine}, {});
 
         std::vector<face_id> drawn;
         for (const drawn_face& f : sets[0]) drawn.push_back(f.face);

@@ -19,6 +19,7 @@
 #include <billow/core/jobs.hpp>
 #include <billow/core/parallel.hpp>
 #include <billow/core/progress.hpp>
+#include <billow/improve/envelope.hpp>
 #include <billow/mesh/face_table.hpp>
 #include <billow/mesh/mesh.hpp>
 
@@ -33,6 +34,11 @@ struct bake_options {
     double max_extra_angle = 75 * std::numbers::pi / 180;  ///< radians between a plane and other
                                                            ///< valid faces drawn on it; 0: none
     coverage_thresholds thresholds{};
+    std::vector<coverage_thresholds> part_thresholds{};  ///< one a part; none: `thresholds` for all
+    crack_reduction cracks = crack_reduction::none;
+    double envelope_scale =
+        1;  ///< size of the boxes that faces must reach into, above 0 to 1: less
+            ///< is drawn where it does not belong, more cracks stay
 };
 
 /// Enlarges every billboard about its centre to whole texels, at least one each way. Its texel
@@ -152,9 +158,10 @@ private:
             for (int band = 0; band * band_height < size.y; ++band) jobs_.push_back({id, band});
         }
         results_.resize(jobs_.size());
-        const double least_cosine =
-            options_.max_extra_angle > 0 ? std::cos(options_.max_extra_angle) : 2;
-        const draw_sets sets(faces_, cloud_, targets_, least_cosine, threads_);
+        const draw_set_options extras{
+            options_.max_extra_angle > 0 ? std::cos(options_.max_extra_angle) : 2, options_.cracks,
+            options_.envelope_scale};
+        const draw_sets sets(faces_, cloud_, targets_, extras, threads_);
         report(progress_, "bake", 0.05);
 
         std::vector<job_scratch> scratches(
@@ -176,6 +183,11 @@ private:
         }
     }
 
+    [[nodiscard]] const coverage_thresholds& thresholds_of(plane_id id) const noexcept {
+        return options_.part_thresholds.empty() ? options_.thresholds
+                                                : options_.part_thresholds[cloud_.part_of(id)];
+    }
+
     [[nodiscard]] job_result draw_band(const job& j, std::span<const drawn_face> faces,
                                        job_scratch& scratch) noexcept {
         const int s = options_.supersample;
@@ -192,12 +204,13 @@ private:
             }
         }
         scratch.shader.start(target.view);
+        const coverage_thresholds& thresholds = thresholds_of(j.plane);
         const tile& t = baked_.tiles[j.plane];
         job_result result;
         for (int y = first; y < last; ++y) {
             for (int x = 0; x < target.columns / s; ++x) {
                 const texel value = resolve_texel(scratch.buffer, scratch.shader, look_, x, y, s,
-                                                  options_.thresholds, vec3(board.axes.normal));
+                                                  thresholds, vec3(board.axes.normal));
                 if (value.samples == 0) continue;
                 write_texel(baked_.atlases[t.atlas], t, board.axes, x, y, value);
                 result.has_opaque |= value.is_opaque;
@@ -222,13 +235,7 @@ private:
                 total.best = results_[i].best;
             }
         }
-        std::vector<std::size_t> largest_row(of_plane.size(), no_id);
-        for (std::size_t row = 0; row < faces_.size; ++row) {
-            const plane_id plane = cloud_.plane_of_face[faces_.source[row]];
-            if (plane == no_id) continue;
-            std::size_t& largest = largest_row[plane];
-            if (largest == no_id || faces_.area[row] > faces_.area[largest]) largest = row;
-        }
+        const std::vector<std::size_t> largest_row = largest_rows();
         for (plane_id id = 0; id < of_plane.size(); ++id) {
             if (of_plane[id].has_opaque) continue;
             const tile& t = baked_.tiles[id];
@@ -239,6 +246,27 @@ private:
                 draw_centre(id, largest_row[id]);
             }
         }
+    }
+
+    /// The row of the largest face of each plane, among those that are drawn there by right.
+    [[nodiscard]] std::vector<std::size_t> largest_rows() const {
+        std::vector<std::size_t> largest_row(cloud_.plane_count(), no_id);
+        std::vector<std::size_t> row_of_face(cloud_.plane_of_face.size(), no_id);
+        const auto consider = [&](plane_id plane, std::size_t row) {
+            std::size_t& largest = largest_row[plane];
+            if (largest == no_id || faces_.area[row] > faces_.area[largest]) largest = row;
+        };
+        for (std::size_t row = 0; row < faces_.size; ++row) {
+            const face_id face = faces_.source[row];
+            row_of_face[face] = row;
+            if (const plane_id plane = cloud_.plane_of_face[face]; plane != no_id) {
+                consider(plane, row);
+            }
+        }
+        for (const drawn_too& d : cloud_.also_drawn) {
+            if (const std::size_t row = row_of_face[d.face]; row != no_id) consider(d.plane, row);
+        }
+        return largest_row;
     }
 
     void draw_centre(plane_id id, std::size_t row) {
@@ -292,8 +320,8 @@ private:
 }  // namespace detail
 
 /// Draws the textures of a cloud's billboards and packs them into atlases. Each billboard shows its
-/// mapped faces and all others that are valid for its plane, seen from its front, within the depth
-/// of the mapped ones.
+/// mapped and also-drawn faces and all others of its part that are valid for its plane or, if wanted,
+/// reach into its envelope, seen from its front, within the depth of the first two kinds.
 ///
 /// Needs  `faces` is the table of `source`; billboards as fit_billboards gives them.
 /// Gives  tiles and atlases; `cloud.billboards` are enlarged to whole texels, so that every texel
@@ -312,6 +340,9 @@ private:
     BILLOW_ASSERT(options.texels > 0 && options.padding >= 0);
     BILLOW_ASSERT(options.supersample >= 1 && options.supersample <= max_supersample);
     BILLOW_ASSERT(options.max_atlas > 2 * options.padding + 4);
+    BILLOW_ASSERT(options.envelope_scale > 0 && options.envelope_scale <= 1);
+    BILLOW_ASSERT(options.part_thresholds.empty() ||
+                  options.part_thresholds.size() >= cloud.parts.size());
     return detail::cloud_baker(source, cloud, faces, options, threads, progress).run();
 }
 

@@ -1,7 +1,8 @@
 // Which faces are drawn on each billboard: its own, and every other one that lies close enough to
-// its plane. The latter close cracks between planes.
+// its plane or reaches into its envelope. The latter close cracks between planes.
 //
-// Décoret et al. 2003 and Fuhrmann et al. 2005 draw all faces valid for the plane.
+// Décoret et al. 2003 and Fuhrmann et al. 2005 draw all faces valid for the plane, Huang et al. 2004
+// those in its envelope.
 #pragma once
 
 #include <algorithm>
@@ -18,6 +19,7 @@
 #include <billow/core/jobs.hpp>
 #include <billow/core/simd.hpp>
 #include <billow/core/types.hpp>
+#include <billow/improve/envelope.hpp>
 #include <billow/mesh/face_table.hpp>
 
 namespace billow::inline BILLOW_ABI {
@@ -65,19 +67,28 @@ struct draw_target {
     return drawn_face{face, band_of(low.y), band_of(high.y), static_cast<float>(height)};
 }
 
+/// Which faces besides a plane's own are drawn on it.
+struct draw_set_options {
+    double least_cosine = 0;  ///< |cos| of the angle to the plane, of merely valid faces; 2: none
+    crack_reduction cracks = crack_reduction::none;
+    double envelope_scale = 1;  ///< of the box that a corner must be in, about its centre
+};
+
 /// The faces of each billboard, front to back.
 class draw_sets {
 public:
-    /// Faces that reach into the rectangle of a target and are either mapped to its plane, or valid
-    /// for it: all corners within cloud.epsilon, |cos| of the angle between the normals at least
-    /// `least_cosine`.
+    /// Faces that reach into the rectangle of a target and are mapped to its plane, or in
+    /// cloud.also_drawn for it, or valid for it (all corners within its epsilon, not too steep), or
+    /// with crack_reduction::envelope have a corner in its envelope. The last two kinds must be
+    /// mapped to a plane of the same part, or to none in a cloud without parts.
     ///
     /// Needs  `faces` of the mesh that `cloud` was searched in; one target a plane.
     /// Cost   O(faces × planes) vector operations at worst, fewer where neighbours in the mesh are
     ///        neighbours in space; parallel over planes.
     draw_sets(const face_table& faces, const billboard_cloud& cloud,
-              std::span<const draw_target> targets, double least_cosine, parallel threads)
-        : faces_(faces), cloud_(cloud), targets_(targets), least_cosine_(least_cosine) {
+              std::span<const draw_target> targets, const draw_set_options& options,
+              parallel threads)
+        : faces_(faces), cloud_(cloud), targets_(targets), options_(options) {
         bound_blocks();
         const std::size_t planes = targets.size();
         std::vector<std::size_t> counts(planes, 0);
@@ -115,6 +126,13 @@ private:
         }
     }
 
+    /// Whether a face may be drawn on a plane that nobody named for it.
+    [[nodiscard]] bool may_share(face_id face, plane_id id) const noexcept {
+        const plane_id home = cloud_.plane_of_face[face];
+        if (home == no_id) return cloud_.parts.empty();
+        return cloud_.part_of(home) == cloud_.part_of(id);
+    }
+
     template <class Visit>
     void sweep(plane_id id, const Visit& visit) const noexcept {
         using V = simd::wide;
@@ -123,13 +141,19 @@ private:
         const double rho =
             of.rho + glm::dot(of.normal, cloud_.bounds.centre - faces_.bounds.centre);
         const billboard& board = cloud_.billboards[id];
+        const double slack = 1e-5 * faces_.bounds.radius;
+        const double epsilon_of_plane = cloud_.epsilon_of(id);
         const double reach =
-            std::max({cloud_.epsilon, std::abs(board.depth_low), std::abs(board.depth_high)}) +
-            1e-5 * faces_.bounds.radius;
+            std::max({epsilon_of_plane, std::abs(board.depth_low), std::abs(board.depth_high)}) +
+            slack;
+        const bool has_envelope = options_.cracks == crack_reduction::envelope;
+        const billboard_envelope envelope(board, faces_.bounds.centre, options_.envelope_scale,
+                                          slack);
+        const std::span<const drawn_too> also_drawn = cloud_.also_drawn_on(id);
         const vec3_lanes<V> normal = fill_lanes<V>(vec3(of.normal));
         const V offset = lanes::fill(static_cast<float>(rho));
-        const V epsilon = lanes::fill(static_cast<float>(cloud_.epsilon));
-        const V least_cosine = lanes::fill(static_cast<float>(least_cosine_));
+        const V epsilon = lanes::fill(static_cast<float>(epsilon_of_plane));
+        const V least_cosine = lanes::fill(static_cast<float>(options_.least_cosine));
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
             if (std::abs(glm::dot(of.normal, blocks_[b].centre) - rho) >
                 reach + blocks_[b].radius) {
@@ -137,7 +161,8 @@ private:
             }
             const std::size_t begin = b * block_size;
             const std::size_t end = std::min(begin + block_size, faces_.size);
-            std::array<float, block_size> is_valid{};
+            const bool meets_envelope = has_envelope && envelope.may_meet(blocks_[b]);
+            std::array<float, block_size> is_extra{};
             for (std::size_t row = begin; row < end; row += lanes::count) {
                 const face_lanes<V> f = load_faces<V>(faces_, row);
                 V distance = simd::abs(dot(f.corner[0], normal) - offset);
@@ -145,12 +170,15 @@ private:
                 distance = simd::max(distance, simd::abs(dot(f.corner[2], normal) - offset));
                 const V cosine = simd::abs(dot(f.normal, normal));
                 const V one = simd::select(distance <= epsilon, lanes::fill(1), lanes::fill(0));
-                lanes::store(is_valid.data() + (row - begin),
-                             simd::select(cosine >= least_cosine, one, lanes::fill(0)));
+                V extra = simd::select(cosine >= least_cosine, one, lanes::fill(0));
+                if (meets_envelope) extra = simd::max(extra, envelope.reached_by(f));
+                lanes::store(is_extra.data() + (row - begin), extra);
             }
             for (std::size_t row = begin; row < end; ++row) {
                 const face_id face = faces_.source[row];
-                if (is_valid[row - begin] != 0 || cloud_.plane_of_face[face] == id) {
+                if (cloud_.plane_of_face[face] == id ||
+                    (is_extra[row - begin] != 0 && may_share(face, id)) ||
+                    std::binary_search(also_drawn.begin(), also_drawn.end(), drawn_too{id, face})) {
                     std::array<dvec3, 3> corners;
                     for (std::size_t k = 0; k < 3; ++k) {
                         corners[k] = faces_.corner[k].get(row) + faces_.bounds.centre;
@@ -164,7 +192,7 @@ private:
     const face_table& faces_;
     const billboard_cloud& cloud_;
     std::span<const draw_target> targets_;
-    double least_cosine_;
+    draw_set_options options_;
     std::vector<bounding_sphere> blocks_{};
     std::vector<std::size_t> begin_{};
     std::vector<drawn_face> drawn_{};

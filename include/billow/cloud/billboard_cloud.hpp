@@ -1,6 +1,7 @@
 // What a plane search finds: planes, the faces on each, and the rectangles that show them.
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -58,6 +59,16 @@ struct billboard_cloud {
     [[nodiscard]] std::size_t plane_count() const noexcept { return planes.size(); }
     [[nodiscard]] part_id part_of(plane_id plane) const noexcept {
         return part_of_plane.empty() ? 0 : part_of_plane[plane];
+    }
+    /// The rows of also_drawn for a plane.
+    [[nodiscard]] std::span<const drawn_too> also_drawn_on(plane_id plane) const noexcept {
+        const auto is_before = [plane](const drawn_too& d) { return d.plane < plane; };
+        const auto is_up_to = [plane](const drawn_too& d) { return d.plane <= plane; };
+        const auto all = std::span(also_drawn);
+        const auto begin = std::partition_point(all.begin(), all.end(), is_before);
+        const auto end = std::partition_point(begin, all.end(), is_up_to);
+        return all.subspan(static_cast<std::size_t>(begin - all.begin()),
+                           static_cast<std::size_t>(end - begin));
     }
     /// The bound for the faces of a plane, scene units.
     [[nodiscard]] double epsilon_of(plane_id plane) const noexcept {

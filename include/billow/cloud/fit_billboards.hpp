@@ -42,16 +42,16 @@ struct rectangle_scratch {
 };
 
 [[nodiscard]] inline billboard fit_billboard(const mesh& mesh, const billboard_cloud& cloud,
-                                             const plane& of, std::span<const face_id> faces,
+                                             plane_id id, std::span<const face_id> mapped,
                                              rectangle_scratch& scratch) {
-    const plane base = canonical(of);
+    const plane base = canonical(cloud.planes[id]);
     const frame local = frame_around(base.normal);
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     double facing = 0;  // twice the area seen from the front minus that seen from behind
     double total = 0;
     std::size_t count = 0;
-    for (const face_id face : faces) {
+    const auto add = [&](face_id face) {
         std::array<dvec3, 3> p;
         for (std::size_t k = 0; k < 3; ++k) {
             p[k] = local.to_local(dvec3(mesh.corners(face)[k]) - cloud.bounds.centre);
@@ -62,7 +62,9 @@ struct rectangle_scratch {
         const dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
         facing += normal.z;
         total += glm::length(normal);
-    }
+    };
+    for (const face_id face : mapped) add(face);
+    for (const drawn_too& d : cloud.also_drawn_on(id)) add(d.face);
     if (count == 0) low = high = 0;
     const std::size_t corners = convex_hull(std::span(scratch.points).first(count), scratch.hull);
     const oriented_rectangle rectangle =
@@ -90,11 +92,11 @@ struct rectangle_scratch {
 }  // namespace detail
 
 /// Lays a rectangle on every plane: the smallest one around the projected vertices of the faces
-/// that are mapped to it. Its front is the side that most of their area faces; where both sides
+/// that are mapped to it or in cloud.also_drawn for it. Its front is the side that most of their area faces; where both sides
 /// weigh the same (difference below 1e-6 of the area), the side away from the centre of the scene.
 /// Corners (0,0), (1,0), (1,1), (0,1) of a billboard are counter-clockwise seen from its front.
 ///
-/// Needs  planes and plane_of_face of `cloud`; one row of plane_of_face a face.
+/// Needs  planes, plane_of_face and also_drawn of `cloud`; one row of plane_of_face a face.
 /// Gives  `cloud.billboards`, one a plane; a plane without faces has zero extents.
 /// Cost   O(faces log faces), parallel over planes.
 inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel threads = {}) {
@@ -102,7 +104,9 @@ inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel th
     const faces_of_planes faces(cloud.plane_of_face, cloud.plane_count());
     const auto plane_count = static_cast<plane_id>(cloud.plane_count());
     std::size_t most = 0;
-    for (plane_id i = 0; i < plane_count; ++i) most = std::max(most, faces[i].size());
+    for (plane_id i = 0; i < plane_count; ++i) {
+        most = std::max(most, faces[i].size() + cloud.also_drawn_on(i).size());
+    }
     cloud.billboards.assign(plane_count, {});
 
     std::vector<detail::rectangle_scratch> scratches(threads.count());
@@ -112,8 +116,7 @@ inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel th
     }
     for_jobs(threads, plane_count, scratches, [&](std::size_t job, auto& scratch) {
         const auto id = static_cast<plane_id>(job);
-        cloud.billboards[id] =
-            detail::fit_billboard(mesh, cloud, cloud.planes[id], faces[id], scratch);
+        cloud.billboards[id] = detail::fit_billboard(mesh, cloud, id, faces[id], scratch);
     });
 }
 
