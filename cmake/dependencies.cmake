@@ -52,3 +52,9 @@ macro(billow_find_io missing)
     billow_find(${missing} TARGET billow::tinyobjloader HEADER tiny_obj_loader.h
         APT libtinyobjloader-dev VCPKG tinyobjloader)
 endmacro()
+
+# What billow::reduce needs beyond billow::billow.
+macro(billow_find_reduce missing)
+    billow_find(${missing} TARGET meshoptimizer::meshoptimizer PACKAGE meshoptimizer
+        APT libmeshoptimizer-dev BREW meshoptimizer VCPKG meshoptimizer)
+endmacro()

@@ -3,7 +3,7 @@
 
 - It includes only its own folder and lower layers.
 - Third parties are included only where they belong.
-- billow.hpp or io.hpp reaches it.
+- billow.hpp reaches it, or io.hpp or reduce.hpp what stays apart.
 - It starts with a word on what it is and has #pragma once.
 
     check_headers.py             checks
@@ -28,11 +28,14 @@ LAYERS = [
     ["search"],
     ["improve"],
     ["bake"],
-    ["metrics", "io"],
+    ["metrics", "io", "reduce"],
     ["pipeline"],
     ["lod", "presets"],
     ["billow"],
 ]
+
+# Not in billow.hpp, for what they include is no part of billow::billow.
+APART = ["io", "reduce"]
 
 # What is included, and who alone may do so.
 RESERVED = {
@@ -41,15 +44,20 @@ RESERVED = {
     r"Eigen/.*": r"fit/.*",
     r"stb_rect_pack\.h": r"bake/pack\.hpp",
     r"tiny_.*|stb_image.*|nlohmann/.*": r"io/.*|io\.hpp",
+    r"meshoptimizer\.h": r"reduce\.hpp",
 }
 
 ANY_INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]', re.MULTILINE)
 
 
+def folder(name):
+    """Where a header belongs: "mesh" of "mesh/mesh.hpp", "pipeline" of "pipeline.hpp" too."""
+    return name.split("/")[0].removesuffix(".hpp")
+
+
 def layer(name):
     """Height of a header such as "mesh/mesh.hpp", or None where its folder has no place."""
-    folder = name.split("/")[0].removesuffix(".hpp")
-    return next((i for i, row in enumerate(LAYERS) if folder in row), None)
+    return next((i for i, row in enumerate(LAYERS) if folder(name) in row), None)
 
 
 def faults_of(name, text, includes):
@@ -67,7 +75,7 @@ def faults_of(name, text, includes):
         if not other.startswith("billow/"):
             continue
         other = other.removeprefix("billow/")
-        is_neighbour = other.split("/")[0] == name.split("/")[0]
+        is_neighbour = folder(other) == folder(name)
         if not (INCLUDE / "billow" / other).exists():
             yield f"includes {other}, which does not exist"
         elif name != "io.hpp" and not is_neighbour and (layer(other) or 0) >= layer(name):
@@ -83,12 +91,11 @@ def reached(includes, name, seen):
 
 
 def umbrella(names):
-    """The text of billow.hpp: every header but those of io, a block for each folder."""
+    """The text of billow.hpp: every header but those apart, a block for each folder."""
     blocks = ["// All of billow but the reading and writing of files, which is in io.hpp.\n"
               "#pragma once"]
-    for folder in (folder for row in LAYERS for folder in row if folder not in ("io", "billow")):
-        block = [f"#include <billow/{name}>" for name in names
-                 if name == f"{folder}.hpp" or name.startswith(f"{folder}/")]
+    for home in (home for row in LAYERS for home in row if home not in APART and home != "billow"):
+        block = [f"#include <billow/{name}>" for name in names if folder(name) == home]
         if block:
             blocks.append("\n".join(block))
     return "\n\n".join(blocks) + "\n"
@@ -108,9 +115,10 @@ def main():
               for fault in faults_of(name, text, includes[name])]
 
     seen = reached(includes, "billow.hpp", set())
-    faults += [f"billow.hpp reaches {name}, which belongs to io.hpp"
-               for name in sorted(seen) if name == "io.hpp" or name.startswith("io/")]
-    reached(includes, "io.hpp", seen)
+    faults += [f"billow.hpp reaches {name}, which stays apart"
+               for name in sorted(seen) if folder(name) in APART]
+    for home in APART:
+        reached(includes, f"{home}.hpp", seen)
     for name in texts:
         if name not in seen:
             home = "io.hpp" if name.startswith("io/") else "billow.hpp"
