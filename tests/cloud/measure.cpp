@@ -23,11 +23,18 @@ TEST_SUITE("cloud/measure") {
         CHECK(e.projected_area_share == doctest::Approx(4.0 / 5));
         CHECK(e.mapped_faces == 4);
         CHECK(e.faces_beyond_epsilon == 2);
+        CHECK(e.area_beyond_epsilon_share == doctest::Approx(1.0 / 5));
+        CHECK(e.dropped_area_share == 0);
+        CHECK(e.rectangle_use == 0);
         cloud.plane_of_face = {0, 0, no_id, no_id};
         e = measure_errors(m, cloud);
         CHECK(e.mapped_faces == 2);
         CHECK(e.max_error == 0);
         CHECK(e.projected_area_share == 1);
+        CHECK(e.area_beyond_epsilon_share == 0);
+        CHECK(e.dropped_area_share == doctest::Approx(1.0 / 5));
+        cloud.billboards = {{.width = 2, .height = 4}};
+        CHECK(measure_errors(m, cloud).rectangle_use == doctest::Approx(4.0 / 8));
     }
     TEST_CASE("nothing mapped gives zeros") {
         billboard_cloud cloud;
