@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     cli::exit_code result = cli::success;
     cli::add_build(tool, result);
     cli::add_inspect(tool, result);
+    cli::add_lod(tool, result);
     try {
         tool.parse(argc, argv);
     } catch (const CLI::ParseError& fault) {

@@ -6,16 +6,32 @@ namespace cli {
 
 using namespace billow;
 
-expected<build_result> make_cloud(const mesh& source, const recipe& how,
-                                  const progress_function& progress) {
-    const auto run = [&](const auto& space) {
+namespace {
+
+/// Calls `use` with the pipeline that a recipe describes.
+template <class Use>
+auto with_pipeline(const recipe& how, const Use& use) {
+    const auto in_space = [&](const auto& space) {
         const density_policies policies{hull_of_samples{}, projected_area{},
                                         inner_side_penalty{how.penalty}};
-        return build_cloud(source, how.options, pipeline{space, policies, chosen_fit(how.fit)},
-                           progress);
+        return use(pipeline{space, policies, chosen_fit(how.fit)});
     };
-    if (how.is_spherical) return run(spherical(how.raster));
-    return run(cube_map(how.raster));
+    if (how.is_spherical) return in_space(spherical(how.raster));
+    return in_space(cube_map(how.raster));
+}
+
+}  // namespace
+
+expected<build_result> make_cloud(const mesh& source, const recipe& how,
+                                  const progress_function& progress) {
+    return with_pipeline(
+        how, [&](const auto& parts) { return build_cloud(source, how.options, parts, progress); });
+}
+
+expected<lod_chain> make_chain(const mesh& source, const recipe& how, const lod_options& options,
+                               const progress_function& progress) {
+    return with_pipeline(
+        how, [&](const auto& parts) { return build_lod_chain(source, options, parts, progress); });
 }
 
 }  // namespace cli

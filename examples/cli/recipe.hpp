@@ -5,6 +5,7 @@
 #include <variant>
 
 #include <billow/billow.hpp>
+#include <billow/lod/chain.hpp>
 
 namespace cli {
 
@@ -45,5 +46,10 @@ struct recipe {
 /// Makes the cloud of a recipe.
 billow::expected<billow::build_result> make_cloud(const billow::mesh& source, const recipe& how,
                                                   const billow::progress_function& progress);
+
+/// Makes a chain of levels with a recipe, of which options.build holds the options.
+billow::expected<billow::lod_chain> make_chain(const billow::mesh& source, const recipe& how,
+                                               const billow::lod_options& options,
+                                               const billow::progress_function& progress);
 
 }  // namespace cli

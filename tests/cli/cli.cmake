@@ -10,7 +10,7 @@ set_tests_properties(cli.runs PROPERTIES LABELS cli TIMEOUT 600 FIXTURES_SETUP c
 
 set(clouds)
 foreach(name cube_cloud teapot_cloud leaves_cloud few empty_cloud "one face_cloud" degenerate_cloud
-        square_cloud cube teapot leaves)
+        square_cloud cube teapot leaves teapot_LOD0 teapot_LOD1 teapot_LOD2)
     list(APPEND clouds ${folder}/${name}.glb)
 endforeach()
 billow_add_validator_test(clouds FILES ${clouds} FIXTURE cli_files)

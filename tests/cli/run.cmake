@@ -110,6 +110,8 @@ endforeach()
 run(0 build square.obj -o square_cloud.glb --texels 64)
 expect_match("${out}" "1 planes|1 plane,")
 
+include("${CMAKE_CURRENT_LIST_DIR}/lod.cmake")
+
 # --- What does not ------------------------------------------------------------------------------
 
 file(GLOB before RELATIVE "${FOLDER}" "${FOLDER}/*")

@@ -17,6 +17,7 @@
 #include <billow/lod/displacement.hpp>
 #include <billow/lod/whole_billboards.hpp>
 #include <billow/pipeline.hpp>
+#include <billow/search/plane_budget.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -116,7 +117,9 @@ template <level_builder FromMesh, level_builder FromBillboards>
                 progress("level " + std::to_string(number) + ": " + std::string(stage), share);
             };
         }
-        const mesh billboards = is_incremental ? chain.levels.back().built.to_mesh() : mesh{};
+        const mesh billboards = is_incremental ? cloud_mesh(chain.levels.back().built.cloud,
+                                                            chain.levels.back().built.baked)
+                                               : mesh{};
         auto built = is_incremental ? from_billboards(billboards, build, most_planes, tell)
                                     : from_mesh(source, build, most_planes, tell);
         if (!built) return built.error();
@@ -131,6 +134,7 @@ template <level_builder FromMesh, level_builder FromBillboards>
         level.error_bound = std::max(cloud.epsilon, level.built.errors.max_error);
         if (is_incremental) {
             level.made_of = lod_source::level_above;
+            level.built.kept = chain.levels.back().built.kept;
             level.error_bound += chain.levels.back().error_bound;
         }
         drawn_faces drawn =
@@ -148,23 +152,23 @@ template <level_builder FromMesh, level_builder FromBillboards>
 
 namespace detail {
 
-/// The least epsilon found whose cloud has at most `most_planes` planes, scene units.
+/// An epsilon of a cloud of about `most_planes` planes and not more, scene units. Searches that find
+/// more are stopped and count for nothing.
 template <class... Parts>
-[[nodiscard]] double epsilon_for_planes(const face_table& faces, std::size_t face_count,
-                                        const build_options& options, std::size_t most_planes,
-                                        const pipeline<Parts...>& parts) {
-    const double radius = faces.bounds.radius;
-    double low = 1e-3 * radius;
-    double high = 2 * radius;
-    for (int i = 0; i < 9; ++i) {
-        const double middle = std::sqrt(low * high);
-        greedy_options search = options.search;
-        search.epsilon = middle;
-        search.max_planes = most_planes + 1;
-        const auto found = greedy_search(faces, face_count, search, parts, options.threads);
-        (found.cloud.plane_count() <= most_planes ? high : low) = middle;
-    }
-    return high;
+[[nodiscard]] double epsilon_of_level(const face_table& faces, std::size_t face_count,
+                                      const build_options& options, std::size_t most_planes,
+                                      const pipeline<Parts...>& parts) {
+    const auto search = [&](double epsilon, std::size_t limit) {
+        greedy_options how = options.search;
+        how.epsilon = epsilon;
+        how.max_planes = most_planes + 1;
+        const auto found = greedy_search(faces, face_count, how, parts, options.threads);
+        const std::size_t planes = found.cloud.plane_count();
+        return planes > most_planes ? limit + 1 : planes;
+    };
+    return search_for_planes(most_planes, faces.bounds.radius, search,
+                             [](std::size_t planes) { return planes; }, {.most_epsilon = 2})
+        .epsilon;
 }
 
 template <class... Parts>
@@ -176,8 +180,9 @@ template <class... Parts>
     if (!faces) return faces.error();
     options.epsilon = tolerance::scene_units(1);
     if (faces->size > 0) {
+        report(progress, "search", 0);
         options.epsilon = tolerance::scene_units(
-            epsilon_for_planes(*faces, source.face_count(), options, most_planes, parts));
+            epsilon_of_level(*faces, source.face_count(), options, most_planes, parts));
     }
     options.search.max_planes = most_planes;
     return build_cloud(source, options, parts, progress);
@@ -195,17 +200,15 @@ template <class... Parts>
                                const progress_function& tell) {
         return detail::build_level(of, build, most_planes, parts, tell);
     };
-    const auto from_billboards = [&](const mesh& of, const build_options& build,
-                                     std::size_t most_planes, const progress_function& tell) {
+    const auto from_billboards = [&](const mesh& of, build_options build, std::size_t most_planes,
+                                     const progress_function& tell) {
+        build.search.skip_area = 0;  // a billboard shows many faces
+        build.search.min_contribution = 0;
         const pipeline whole{parts.space, parts.policies, parts.fitter, parts.grouping,
                              whole_billboards(billboards_of_faces(of))};
         return detail::build_level(of, build, most_planes, whole, tell);
     };
     return build_lod_chain(source, options, from_mesh, from_billboards, progress);
-}
-[[nodiscard]] inline expected<lod_chain> build_lod_chain(const mesh& source,
-                                                         const lod_options& options = {}) {
-    return build_lod_chain(source, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI
