@@ -20,4 +20,16 @@ TEST_SUITE("cloud/billboard_cloud") {
         const faces_of_planes faces({}, 0);
         CHECK(billboard_cloud{}.plane_count() == 0);
     }
+
+    TEST_CASE("the also-drawn faces of a plane are found") {
+        billow::billboard_cloud cloud;
+        CHECK(cloud.also_drawn_on(0).empty());
+        cloud.also_drawn = {{1, 5}, {1, 7}, {3, 0}};
+        CHECK(cloud.also_drawn_on(0).empty());
+        REQUIRE(cloud.also_drawn_on(1).size() == 2);
+        CHECK(cloud.also_drawn_on(1)[1].face == 7);
+        CHECK(cloud.also_drawn_on(2).empty());
+        CHECK(cloud.also_drawn_on(3).size() == 1);
+        CHECK(cloud.also_drawn_on(4).empty());
+    }
 }

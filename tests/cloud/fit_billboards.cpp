@@ -147,4 +147,29 @@ TEST_SUITE("cloud/fit_billboards") {
             }
         }
     }
+
+    TEST_CASE("also-drawn faces count like mapped ones") {
+        const auto all = random_scene(7, 1, 30);
+        auto split = all;
+        for (face_id f = 10; f < 30; ++f) {
+            split.cloud.plane_of_face[f] = no_id;
+            split.cloud.also_drawn.push_back({0, f});
+        }
+        auto only = all;
+        only.cloud.plane_of_face.assign(30, no_id);
+        for (face_id f = 0; f < 30; ++f) only.cloud.also_drawn.push_back({0, f});
+        auto mapped = all;
+        fit_billboards(mapped.shape, mapped.cloud);
+        for (scene* s : {&split, &only}) {
+            fit_billboards(s->shape, s->cloud);
+            const billboard& a = mapped.cloud.billboards[0];
+            const billboard& b = s->cloud.billboards[0];
+            CHECK(a.origin == b.origin);
+            CHECK(a.axes.normal == b.axes.normal);
+            CHECK(a.width == b.width);
+            CHECK(a.height == b.height);
+            CHECK(a.depth_low == b.depth_low);
+            CHECK(a.depth_high == b.depth_high);
+        }
+    }
 }
