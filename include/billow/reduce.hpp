@@ -82,7 +82,7 @@ struct unique_corners {
 ///         triangle has a normal of its own cannot be reduced, and below what the shape needs only
 ///         max_error keeps branches from being cut off.
 /// Cost    O(faces log faces).
-[[nodiscard]] inline reduced_mesh reduce_triangles(
+[[nodiscard]] inline reduced_mesh reduce_mesh(
     const mesh& m, double share, double max_error = std::numeric_limits<double>::infinity()) {
     BILLOW_ASSERT(share > 0 && share <= 1 && max_error > 0);
     if (m.face_count() == 0 || share == 1) return {m, 0};

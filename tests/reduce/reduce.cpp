@@ -44,7 +44,7 @@ TEST_SUITE("reduce") {
     TEST_CASE("about the asked share of the triangles is left, close to where they were") {
         const mesh ball = icosphere(5);
         for (const double share : {0.5, 0.2, 0.05}) {
-            const reduced_mesh reduced = reduce_triangles(ball, share);
+            const reduced_mesh reduced = reduce_mesh(ball, share);
             const auto wanted = share * static_cast<double>(ball.face_count());
             CHECK(static_cast<double>(reduced.mesh.face_count()) ==
                   doctest::Approx(wanted).epsilon(0.05));
@@ -58,15 +58,15 @@ TEST_SUITE("reduce") {
     }
     TEST_CASE("fewer triangles, larger errors, and never beyond the largest one allowed") {
         const mesh pot = teapot(6);
-        const double none = reduce_triangles(pot, 0.5).error;
-        CHECK(reduce_triangles(pot, 0.1).error > none);
-        const reduced_mesh held = reduce_triangles(pot, 0.01, none);
+        const double none = reduce_mesh(pot, 0.5).error;
+        CHECK(reduce_mesh(pot, 0.1).error > none);
+        const reduced_mesh held = reduce_mesh(pot, 0.01, none);
         CHECK(held.error <= none * (1 + 1e-6));
-        CHECK(held.mesh.face_count() > reduce_triangles(pot, 0.01).mesh.face_count());
+        CHECK(held.mesh.face_count() > reduce_mesh(pot, 0.01).mesh.face_count());
     }
     TEST_CASE("every vertex is one of the source, with all of its attributes") {
         const mesh trunk = trunk_of_a_tree();
-        const mesh reduced = reduce_triangles(trunk, 0.5).mesh;
+        const mesh reduced = reduce_mesh(trunk, 0.5).mesh;
         REQUIRE(validate(reduced));
         CHECK(reduced.face_count() < 0.6 * static_cast<double>(trunk.face_count()));
         CHECK(reduced.materials.size() == trunk.materials.size());
@@ -84,7 +84,7 @@ TEST_SUITE("reduce") {
             const auto [a, b, c] = ball.corners(face);
             ball.face_materials.push_back(a.y + b.y + c.y > 0 ? 0 : 1);
         }
-        const mesh reduced = reduce_triangles(ball, 0.3).mesh;
+        const mesh reduced = reduce_mesh(ball, 0.3).mesh;
         CHECK(reduced.materials.size() == 2);
         // A closed surface has every edge twice, once in each direction.
         std::set<std::vector<float>> edges;
@@ -115,13 +115,13 @@ TEST_SUITE("reduce") {
             loose.triangles.push_back(uvec3(0, 1, 2) +
                                       3u * static_cast<std::uint32_t>(loose.triangles.size()));
         }
-        CHECK(reduce_triangles(loose, 0.2).mesh.face_count() < 0.25 * 5120);
+        CHECK(reduce_mesh(loose, 0.2).mesh.face_count() < 0.25 * 5120);
     }
     TEST_CASE("nothing, and all of it, stay as they are") {
-        CHECK(reduce_triangles(mesh{}, 0.5).mesh.face_count() == 0);
+        CHECK(reduce_mesh(mesh{}, 0.5).mesh.face_count() == 0);
         const mesh pot = teapot(3);
-        CHECK(reduce_triangles(pot, 1).mesh.triangles == pot.triangles);
-        CHECK(reduce_triangles(support::triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}), 0.5)
+        CHECK(reduce_mesh(pot, 1).mesh.triangles == pot.triangles);
+        CHECK(reduce_mesh(support::triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}), 0.5)
                   .mesh.face_count() <= 1);
     }
 }

@@ -3,5 +3,5 @@
 
 int main() {
     const billow::mesh ball = billow::icosphere(3);
-    return billow::reduce_triangles(ball, 0.5).mesh.face_count() < ball.face_count() ? 0 : 1;
+    return billow::reduce_mesh(ball, 0.5).mesh.face_count() < ball.face_count() ? 0 : 1;
 }
