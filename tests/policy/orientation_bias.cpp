@@ -1,9 +1,15 @@
 #include <billow/policy/orientation_bias.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <doctest/doctest.h>
+
+#include <billow/cloud/measure.hpp>
+#include <billow/plants/species.hpp>
+#include <billow/search/greedy.hpp>
+#include <billow/shapes/leaf_soup.hpp>
 
 #include "support/meshes.hpp"
 
@@ -15,6 +21,17 @@ namespace {
 dvec3 at_elevation(double elevation_deg, double turn = 0.7) {
     const double a = elevation_deg * std::numbers::pi / 180;
     return {std::cos(a) * std::cos(turn), std::sin(a), std::cos(a) * std::sin(turn)};
+}
+
+template <orientation_bias Bias>
+billboard_cloud search(const mesh& m, const Bias& bias) {
+    face_table faces = support::table_of(m);
+    const density_policies policies{hull_of_samples{}, projected_area{}, inner_side_penalty{},
+                                    no_falloff{}, bias};
+    const double epsilon = 0.1 * faces.bounds.radius;
+    return greedy_search(std::move(faces), m.face_count(), {.epsilon = epsilon},
+                         pipeline{cube_map{10}, policies})
+        .cloud;
 }
 
 }  // namespace
@@ -78,5 +95,44 @@ TEST_SUITE("policy/orientation_bias") {
             CHECK(biased(density, 1) == density);
             CHECK(biased(density, 0.2) <= density);
         }
+    }
+    TEST_CASE("a bias of 1 changes nothing") {
+        const mesh m = leaf_soup(800, {.edge = 0.1f});
+        const billboard_cloud plain = search(m, no_bias{});
+        const auto is_plain = [&](const billboard_cloud& cloud) {
+            return cloud.planes == plain.planes && cloud.plane_of_face == plain.plane_of_face;
+        };
+        CHECK(is_plain(search(m, viewpoint_bias{})));
+        CHECK(is_plain(search(m, horizontal_penalty{.share = 0})));
+        CHECK(!is_plain(search(m, horizontal_penalty{})));
+    }
+    TEST_CASE(
+        "horizontal planes become rare on a tree with their penalty, vertical ones with its "
+        "mirror") {
+        const mesh tree = *tree_of_about(8000);
+        struct counts {
+            std::ptrdiff_t horizontal, vertical;
+        };
+        const auto count = [&](const viewpoint_bias& bias) -> counts {
+            const billboard_cloud cloud = search(tree, bias);
+            CHECK(measure_errors(tree, cloud).faces_beyond_epsilon == 0);
+            CHECK(measure_errors(tree, cloud).mapped_faces == tree.face_count());
+            const auto rising = [&](double from, double to) {
+                return std::ranges::count_if(cloud.planes, [&](const plane& p) {
+                    const double rise = std::abs(p.normal.y);
+                    return rise >= from && rise < to;
+                });
+            };
+            const double forty = 40 * std::numbers::pi / 180;
+            return {rising(std::cos(forty), 1.1), rising(0, std::sin(forty))};
+        };
+        const counts plain = count({});
+        const counts seen_from_ground = count({.horizontal_share = 0.6, .cutoff_deg = 30});
+        const counts seen_from_above = count({.vertical_share = 0.95, .cutoff_deg = 30});
+        CHECK(plain.horizontal >= 3);
+        CHECK(2 * seen_from_ground.horizontal <= plain.horizontal);
+        CHECK(seen_from_ground.vertical > plain.vertical);
+        CHECK(2 * seen_from_above.vertical <= plain.vertical);
+        CHECK(seen_from_above.horizontal > plain.horizontal);
     }
 }

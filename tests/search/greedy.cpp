@@ -182,6 +182,9 @@ TEST_SUITE("search/greedy") {
         const cloud_errors e = measure_errors(m, r.cloud);
         CHECK(e.mapped_faces == m.face_count());
         CHECK(r.statistics.leftover_faces >= e.faces_beyond_epsilon);
+        CHECK(r.statistics.dropped_faces == 0);
+        CHECK(r.statistics.beyond_epsilon_area_share ==
+              doctest::Approx(e.area_beyond_epsilon_share).epsilon(1e-3));
         CHECK(e.faces_beyond_epsilon > 0);
         for (face_id face = 0; face < m.face_count(); face += 37) {
             const auto error_on = [&](const plane& p) {
@@ -196,6 +199,13 @@ TEST_SUITE("search/greedy") {
             if (own <= r.cloud.epsilon) continue;
             for (const plane& p : r.cloud.planes) CHECK(own <= error_on(p) + 1e-6);
         }
+    }
+    TEST_CASE("statistics count every plane once") {
+        const auto r = search(teapot(4), 0.06, {}, cube_map{10});
+        CHECK(r.statistics.refined_planes + r.statistics.fail_safes == r.cloud.plane_count());
+        CHECK(r.statistics.mean_refinement_level() > 0);
+        CHECK(r.statistics.mean_refinement_level() <= 12);
+        CHECK(greedy_statistics{}.mean_refinement_level() == 0);
     }
     TEST_CASE("a large penalty that makes every bin negative still finds planes") {
         const mesh m = leaf_soup(600, {.edge = 0.2f});

@@ -2,6 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <billow/cloud/measure.hpp>
+#include <billow/plants/species.hpp>
+#include <billow/search/greedy.hpp>
+#include <billow/shapes/teapot.hpp>
+
 #include "support/meshes.hpp"
 
 using namespace billow;
@@ -16,6 +21,13 @@ mesh squares(const std::vector<float>& heights) {
 }
 
 const std::vector<plane> floors{{{0, 0, 1}, 0}, {{0, 0, 1}, 1}};
+
+/// Searches with epsilon as a share of the radius.
+greedy_result search(const mesh& m, double share, greedy_options options) {
+    face_table faces = support::table_of(m);
+    options.epsilon = share * faces.bounds.radius;
+    return greedy_search(std::move(faces), m.face_count(), options, pipeline{cube_map{10}});
+}
 
 }  // namespace
 
@@ -63,5 +75,56 @@ TEST_SUITE("search/leftovers") {
         const face_table faces = support::table_of(support::random_triangles(5000, 0.1, 4));
         CHECK(nearest_planes_within(faces, floors, 0.1, {}, {1}) ==
               nearest_planes_within(faces, floors, 0.1, {}, {3}));
+    }
+    TEST_CASE("skipping 2 % of the area saves planes; no face is dragged far") {
+        const mesh pot = teapot(6);
+        const mesh tree = *tree_of_about(3000);
+        for (const mesh* m : {&pot, &tree}) {
+            const auto all = search(*m, 0.08, {});
+            const auto r = search(*m, 0.08, {.skip_area = 0.02});
+            const greedy_statistics& s = r.statistics;
+            const cloud_errors e = measure_errors(*m, r.cloud);
+            CHECK(r.cloud.plane_count() + 3 <= all.cloud.plane_count());
+            // The planes are the first of the full search.
+            for (plane_id id = 0; id < r.cloud.plane_count(); ++id) {
+                CHECK(r.cloud.planes[id] == all.cloud.planes[id]);
+            }
+            CHECK(s.leftover_faces > 0);
+            CHECK(s.leftover_area_share < 0.02);
+            CHECK(s.dropped_area_share <= s.leftover_area_share);
+            CHECK(e.mapped_faces + s.dropped_faces + s.degenerate_faces == m->face_count());
+            CHECK(e.max_error <= 2 * r.cloud.epsilon * (1 + 1e-5));
+            CHECK(e.dropped_area_share == doctest::Approx(s.dropped_area_share).epsilon(1e-3));
+            CHECK(e.area_beyond_epsilon_share ==
+                  doctest::Approx(s.beyond_epsilon_area_share).epsilon(1e-3));
+            CHECK(all.statistics.leftover_faces == 0);
+            CHECK(all.statistics.dropped_area_share == 0);
+        }
+    }
+    TEST_CASE("a far face is dropped rather than drawn on a plane it does not belong to") {
+        mesh m;
+        for (int i = 0; i < 30; ++i) {
+            support::add_square(m, {float(i % 6), float(i / 6), 0}, {0.5f, 0, 0}, {0, 0.5f, 0});
+        }
+        support::add_square(m, {2, 2, 2}, {0.1f, 0, 0}, {0, 0.1f, 0});
+        greedy_options options{.epsilon = 0.1, .skip_area = 0.02};
+        const auto r = greedy_search(support::table_of(m), m.face_count(), options);
+        CHECK(r.cloud.plane_count() == 1);
+        CHECK(r.statistics.leftover_faces == 2);
+        CHECK(r.statistics.dropped_faces == 2);
+        CHECK(r.cloud.plane_of_face[60] == no_id);
+        CHECK(r.cloud.plane_of_face[61] == no_id);
+        options.skipped.reach = 30;
+        const auto near = greedy_search(support::table_of(m), m.face_count(), options);
+        CHECK(near.statistics.dropped_faces == 0);
+        CHECK(near.cloud.planes == r.cloud.planes);
+    }
+    TEST_CASE("planes that collect less than the minimum end the search, but never the first") {
+        const mesh tree = *tree_of_about(2000);
+        const auto all = search(tree, 0.1, {});
+        const auto r = search(tree, 0.1, {.min_contribution = 0.005});
+        CHECK(r.cloud.plane_count() < all.cloud.plane_count());
+        CHECK(r.cloud.plane_count() > 1);
+        CHECK(search(tree, 0.1, {.min_contribution = 0.99}).cloud.plane_count() == 1);
     }
 }

@@ -6,7 +6,12 @@
 
 #include <doctest/doctest.h>
 
+#include <billow/cloud/measure.hpp>
 #include <billow/plane_space/cube_map.hpp>
+#include <billow/search/greedy.hpp>
+#include <billow/shapes/leaf_soup.hpp>
+
+#include "support/meshes.hpp"
 
 using namespace billow;
 
@@ -19,6 +24,13 @@ std::vector<orientation_cell> all_cells() {
         cells.push_back(space.cell(id));
     }
     return cells;
+}
+
+/// Searches with epsilon as a share of the radius.
+greedy_result search(const mesh& m, double share, greedy_options options) {
+    face_table faces = support::table_of(m);
+    options.epsilon = share * faces.bounds.radius;
+    return greedy_search(std::move(faces), m.face_count(), options, pipeline{cube_map{10}});
 }
 
 }  // namespace
@@ -56,5 +68,37 @@ TEST_SUITE("search/plane_distribution") {
         for (std::size_t row = 0; row < cells.size(); ++row) {
             CHECK(weights[row] == vertical_penalty{}(dvec3(cells[row].centre)));
         }
+    }
+    TEST_CASE("distribution weights leave a flat model both of its walls") {
+        mesh m;
+        for (const float z : {-0.3f, 0.3f}) {
+            support::add_square(m, {0, 0, z}, {0.5f, 0, 0}, {0, 0.5f, 0});
+        }
+        for (const double strength : {0.3, 1.0}) {
+            const auto r = search(m, 0.05, {.distribution = {.strength = strength}});
+            CHECK(measure_errors(m, r.cloud).mapped_faces == 4);
+            CHECK(measure_errors(m, r.cloud).faces_beyond_epsilon == 0);
+            CHECK(r.cloud.plane_count() == 2);
+            for (const plane& p : r.cloud.planes) CHECK(std::abs(p.normal.z) > 0.999);
+        }
+    }
+    TEST_CASE("distribution weights spread the first planes over directions") {
+        const mesh m = leaf_soup(4000, {.edge = 0.02f});
+        const auto nearest_pair = [&](double strength) {
+            const auto r = search(m, 0.1, {.distribution = {.strength = strength}});
+            CHECK(measure_errors(m, r.cloud).faces_beyond_epsilon == 0);
+            CHECK(measure_errors(m, r.cloud).mapped_faces == m.face_count());
+            double sum = 0;
+            for (std::size_t i = 1; i < 8; ++i) {
+                double most = 0;
+                for (std::size_t j = 0; j < i; ++j) {
+                    most = std::max(most, std::abs(glm::dot(r.cloud.planes[i].normal,
+                                                            r.cloud.planes[j].normal)));
+                }
+                sum += most;
+            }
+            return sum;
+        };
+        CHECK(nearest_pair(0.9) < nearest_pair(0));
     }
 }

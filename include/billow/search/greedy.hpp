@@ -33,8 +33,10 @@ struct greedy_options {
     skip_limits skipped{};        ///< where skipped faces may go
     plane_distribution distribution{};  ///< restrains planes that are parallel to earlier ones
     refinement refine = refinement::fail_safe;
-    int max_levels = 12;          ///< of refinement, > 0
-    double sufficient_share = 1;  ///< refine_options::sufficient_share
+    int max_levels = 12;                 ///< of refinement, > 0
+    double sufficient_share = 1;         ///< refine_options::sufficient_share
+    bool penalty_in_refinement = false;  ///< refine_options::penalty_counts
+    falloff_use falloff = falloff_use::everywhere;
 };
 
 /// What the search did.
@@ -164,18 +166,21 @@ private:
         if (!bin) return plane_of_largest_face(remaining_);
         if (options_.refine == refinement::none) return centre_plane(space_, *bin);
 
-        const face_table candidates = select_rows(
-            remaining_,
-            faces_valid_for_bin(remaining_, cell_of_patch(space_, bin->patch), bin->rho_low,
-                                bin->rho_high, epsilon_, widened_centre{}, threads_),
-            threads_);
+        const face_table candidates =
+            select_rows(remaining_,
+                        faces_valid_for_bin(remaining_, cell_of_patch(space_, bin->patch),
+                                            bin->rho_low, bin->rho_high, epsilon_, widened_centre{},
+                                            policies_.contribution, threads_),
+                        threads_);
         const bool is_original = options_.refine == refinement::original;
         const auto refined = candidates.size == 0
                                  ? std::nullopt
                                  : refine(space_, *bin, candidates, policies_, epsilon_,
                                           {.children_per_axis = is_original ? 6 : 4,
                                            .max_levels = options_.max_levels,
-                                           .sufficient_share = options_.sufficient_share},
+                                           .sufficient_share = options_.sufficient_share,
+                                           .falls = options_.falloff != falloff_use::nowhere,
+                                           .penalty_counts = options_.penalty_in_refinement},
                                           threads_);
         if (refined) {
             ++result_.statistics.refined_planes;
@@ -222,17 +227,21 @@ private:
         if (taken.empty()) {  // epsilon is below what floats resolve
             taken.push_back(largest_face(remaining_));
         }
-        return taken;
+        return grouped(found, std::move(taken));
     }
 
-    /// The faces that the plane may take, or those of them that the grouping wants on it.
     [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
-        face_rows rows = faces_valid_for(remaining_, p, epsilon_, threads_);
+        face_rows rows = faces_valid_for(remaining_, p, epsilon_, policies_.contribution, threads_);
         motion_.keep_allowed(remaining_, p, rows);
+        return rows;
+    }
+
+    /// Those of the faces that the grouping wants on the plane. The others come again later.
+    [[nodiscard]] face_rows grouped(const plane& p, face_rows rows) const {
         if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
-            face_rows wanted =
-                grouping_(select_rows(remaining_, rows, threads_), p, epsilon_, threads_);
-            BILLOW_ASSERT(rows.empty() || !wanted.empty());
+            const face_table faces = select_rows(remaining_, rows, threads_);
+            face_rows wanted = grouping_(faces, p, epsilon_, threads_);
+            BILLOW_ASSERT(!wanted.empty());
             for (std::uint32_t& row : wanted) row = rows[row];
             return wanted;
         }
@@ -247,7 +256,10 @@ private:
         if (moved == found) return;
         face_rows all(faces.size);
         std::iota(all.begin(), all.end(), 0u);
-        if (faces_valid_for(faces, moved, epsilon_, threads_).size() != faces.size) return;
+        if (faces_valid_for(faces, moved, epsilon_, policies_.contribution, threads_).size() !=
+            faces.size) {
+            return;
+        }
         const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
@@ -255,7 +267,7 @@ private:
         face_rows moved_taken = faces_allowed_on(moved);
         if (!std::ranges::includes(moved_taken, taken)) return;
         found = moved;
-        taken = std::move(moved_taken);
+        taken = grouped(moved, std::move(moved_taken));
         ++result_.statistics.tweaks;
     }
 
@@ -288,7 +300,15 @@ private:
     }
 
     void change_density(const face_table& faces, density_change change) {
-        rasterize_density(faces, cells(), policies_, epsilon_, grid_, change, threads_);
+        const auto with = [&](const auto& policies) {
+            rasterize_density(faces, cells(), policies, epsilon_, grid_, change, threads_);
+        };
+        if constexpr (std::remove_cvref_t<decltype(policies_)>::falls) {
+            if (options_.falloff != falloff_use::everywhere) {
+                return with(without_falloff(policies_));
+            }
+        }
+        with(policies_);
     }
 
     /// After max_planes every face keeps a plane; what is skipped goes to the nearest sensible one.
