@@ -46,6 +46,7 @@ template <class V>
 struct lanes {
     static constexpr std::size_t count = 1;
     static V load(const float* from) noexcept { return *from; }
+    static std::int32_t load(const std::int32_t* from) noexcept { return *from; }
     static void store(float* to, V value) noexcept { *to = value; }
     static void store(std::int32_t* to, std::int32_t value) noexcept { *to = value; }
     static V fill(float value) noexcept { return value; }
@@ -94,6 +95,11 @@ struct lanes<wide> {
     static constexpr std::size_t count = lane_count;
     static wide load(const float* from) noexcept {
         wide value;
+        std::memcpy(&value, from, sizeof value);
+        return value;
+    }
+    static wide_int load(const std::int32_t* from) noexcept {
+        wide_int value;
         std::memcpy(&value, from, sizeof value);
         return value;
     }

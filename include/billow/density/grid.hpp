@@ -30,7 +30,8 @@ struct offset_axis {
 };
 
 /// Ramps that start in one bin: `step` is their joint height, `before` the part of it that lies in
-/// the bin before their starts. The coverage of bin b is Σ step[0..b] - before[b].
+/// the bin before their starts. The coverage of bin b is Σ step[0..b] - before[b]. A value of that
+/// bin alone is taken off `before`.
 struct ramp {
     std::int64_t step = 0;
     std::int64_t before = 0;

@@ -56,7 +56,7 @@ template <contribution<float> Contribution>
     double most = -1;
     for (const plane& p : tries) {
         const double sum = contribution_of(
-            remaining, faces_valid_for(remaining, p, epsilon, threads), p.normal, worth);
+            remaining, faces_valid_for(remaining, p, epsilon, worth, threads), p.normal, worth);
         if (sum > most) most = sum, best = p;
     }
     return best;

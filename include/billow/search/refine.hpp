@@ -6,7 +6,10 @@
 // densest part goes on, until its centre serves every face that is left.
 #pragma once
 
+#include <limits>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <billow/density/rasterize.hpp>
@@ -44,6 +47,10 @@ struct refine_options {
     /// the published rule; in soups of many small faces some always straddle a bin's border, so that
     /// it costs twelve levels and moves the plane by less than the fitting afterwards.
     double sufficient_share = 1;
+    bool falls = true;  ///< whether the falloff policy counts
+    /// Whether the penalty policy counts too. Fuhrmann et al. 2005 (section 3.2.2) leave it out, since
+    /// planes that slice through foliage are wanted; Décoret et al. 2003 do not.
+    bool penalty_counts = false;
 };
 
 /// A refined plane, and how many times its bin was split.
@@ -58,65 +65,96 @@ namespace detail {
 template <plane_space Space, class Policies>
 class bin_splitter {
 public:
-    bin_splitter(const Space& space, const Policies& policies, double epsilon, int per_axis,
-                 parallel threads)
+    bin_splitter(const Space& space, const Policies& policies, double epsilon,
+                 const refine_options& options, parallel threads)
         : space_(space),
           policies_(policies),
           epsilon_(epsilon),
-          per_axis_(per_axis),
+          per_axis_(options.children_per_axis),
+          penalty_counts_(options.penalty_counts),
           threads_(threads) {}
 
     struct child {
         plane_bin bin{};
-        double density = 0;
+        double contribution = 0;
     };
 
-    /// The child of most contribution among `faces`. No penalty: planes that slice through foliage
-    /// are wanted (Fuhrmann et al. 2005, section 3.2.2).
+    /// The child of most density among `faces`; where penalties leave none above 0, that of most
+    /// contribution.
     [[nodiscard]] child densest_child(const face_table& faces, const plane_bin& bin) const {
         const dvec2 half = bin.patch.half_size / 2.0;
         const double spacing = (bin.rho_high - bin.rho_low) / 2;
         std::vector<orientation_patch> patches;
         std::vector<orientation_cell> cells;
+        std::vector<double> weights;
         for (int j = 0; j < per_axis_; ++j) {
             for (int i = 0; i < per_axis_; ++i) {
                 const dvec2 step(2 * i + 1 - per_axis_, 2 * j + 1 - per_axis_);
                 patches.push_back({bin.patch.chart, bin.patch.centre + half * step, half});
                 cells.push_back(cell_of_patch(space_, patches.back()));
+                weights.push_back(
+                    policies_.bias(space_.direction_at(bin.patch.chart, patches.back().centre)));
             }
         }
         const double middle = (bin.rho_low + bin.rho_high) / 2;
         density_grid grid(cells.size(), {middle - spacing * per_axis_ / 2, spacing, per_axis_},
                           density_scale(faces));
-        rasterize_density(
-            faces, std::span<const orientation_cell>(cells),
-            density_policies{policies_.validity, policies_.contribution, no_penalty{}}, epsilon_,
-            grid, density_change::add, threads_);
-        // Where several are fully covered, the one nearest to the middle: the first would drift to
+        rasterize(faces, cells, grid);
+
+        // Where several are worth the same, the one nearest to the middle: the first would drift to
         // the rim of the planes that serve all, where their centres do not.
-        dense_bin best{.density = -1};
-        double nearest = 0;
-        for (std::size_t row = 0; row < grid.row_count(); ++row) {
-            const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
-            grid.for_each_bin(row, [&](int at, std::int64_t contribution, std::int64_t) {
-                const double density = static_cast<double>(contribution) / grid.scale();
-                const double up = 2 * at + 1 - per_axis_;
-                const double distance = glm::dot(aside, aside) + up * up;
-                if (density > best.density || (density == best.density && distance < nearest)) {
-                    best = {row, at, density, density};
-                    nearest = distance;
-                }
-            });
+        const auto densest = [&](const auto& worth) {
+            dense_bin best{.density = -std::numeric_limits<double>::infinity()};
+            double nearest = 0;
+            for (std::size_t row = 0; row < grid.row_count(); ++row) {
+                const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
+                grid.for_each_bin(row, [&](int at, std::int64_t c, std::int64_t p) {
+                    const double contribution = static_cast<double>(c) / grid.scale();
+                    const double density =
+                        worth(row, contribution, static_cast<double>(p) / grid.scale());
+                    const double up = 2 * at + 1 - per_axis_;
+                    const double distance = glm::dot(aside, aside) + up * up;
+                    if (density > best.density || (density == best.density && distance < nearest)) {
+                        best = {row, at, density, contribution};
+                        nearest = distance;
+                    }
+                });
+            }
+            return best;
+        };
+        const double charge = policies_.penalty.weight;
+        dense_bin best = densest([&](std::size_t row, double c, double p) {
+            return c > 0 ? biased(c - charge * p, weights[row])
+                         : -std::numeric_limits<double>::max();
+        });
+        if (best.density <= 0) {
+            best =
+                densest([&](std::size_t row, double c, double) { return biased(c, weights[row]); });
         }
         const double low = grid.axis().origin + best.bin * spacing;
-        return {{patches[best.row], low, low + spacing}, best.density};
+        return {{patches[best.row], low, low + spacing}, best.contribution};
     }
 
 private:
+    void rasterize(const face_table& faces, std::span<const orientation_cell> cells,
+                   density_grid& grid) const {
+        const auto with = [&](const auto& policies) {
+            rasterize_density(faces, cells, policies, epsilon_, grid, density_change::add,
+                              threads_);
+        };
+        if (penalty_counts_) {
+            with(policies_);
+        } else {
+            with(density_policies{policies_.validity, policies_.contribution, no_penalty{},
+                                  policies_.falloff});
+        }
+    }
+
     const Space& space_;
     const Policies& policies_;
     double epsilon_;
     int per_axis_;
+    bool penalty_counts_;
     parallel threads_;
 };
 
@@ -135,28 +173,38 @@ template <plane_space Space, class Policies>
                                                   face_table candidates, const Policies& policies,
                                                   double epsilon, const refine_options& options,
                                                   parallel threads = {}) {
-    const detail::bin_splitter splitter(space, policies, epsilon, options.children_per_axis,
-                                        threads);
-    const auto contribution_to = [&](const plane& p) {
-        const face_rows valid = faces_valid_for(candidates, p, epsilon, threads);
-        return std::pair(valid.size(),
-                         contribution_of(candidates, valid, p.normal, policies.contribution));
+    if constexpr (Policies::falls) {
+        if (!options.falls) {
+            return refine(space, bin, std::move(candidates), without_falloff(policies), epsilon,
+                          options, threads);
+        }
+    }
+    const detail::bin_splitter splitter(space, policies, epsilon, options, threads);
+    // As a bin's contribution is: with the falloff where there is one, without penalty and bias.
+    const auto contribution_to = [&](const plane& p, const face_rows& valid) {
+        if constexpr (Policies::falls) {
+            return contribution_of(candidates, valid, p, policies.contribution, policies.falloff,
+                                   epsilon, bin.rho_high - bin.rho_low);
+        } else {
+            return contribution_of(candidates, valid, p.normal, policies.contribution);
+        }
     };
     double promised = std::numeric_limits<double>::infinity();
     for (int level = 0;; ++level) {
         const plane centre = centre_plane(space, bin);
-        const auto [served, contribution] = contribution_to(centre);
-        if (served == candidates.size || contribution >= options.sufficient_share * promised ||
-            level == options.max_levels) {
+        const face_rows valid =
+            faces_valid_for(candidates, centre, epsilon, policies.contribution, threads);
+        if (valid.size() == candidates.size || level == options.max_levels ||
+            contribution_to(centre, valid) >= options.sufficient_share * promised) {
             return refined_plane{centre, level};
         }
         const auto child = splitter.densest_child(candidates, bin);
-        if (child.density <= 0) return std::nullopt;
+        if (child.contribution <= 0) return std::nullopt;
         bin = child.bin;
-        promised = child.density;
-        const face_rows rows =
-            faces_valid_for_bin(candidates, cell_of_patch(space, bin.patch), bin.rho_low,
-                                bin.rho_high, epsilon, widened_centre{}, threads);
+        promised = child.contribution;
+        const face_rows rows = faces_valid_for_bin(
+            candidates, cell_of_patch(space, bin.patch), bin.rho_low, bin.rho_high, epsilon,
+            widened_centre{}, policies.contribution, threads);
         if (rows.empty()) return std::nullopt;
         candidates = select_rows(candidates, rows, threads);
     }
