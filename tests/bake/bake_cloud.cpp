@@ -5,8 +5,10 @@
 #include <billow/bake/cloud_mesh.hpp>
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/metrics/picture.hpp>
+#include <billow/search/greedy.hpp>
 #include <billow/shapes/box.hpp>
 #include <billow/shapes/leaf_soup.hpp>
+#include <billow/shapes/teapot.hpp>
 
 namespace {
 
@@ -350,6 +352,84 @@ TEST_SUITE("bake/bake_cloud") {
         CHECK(texel_of(s, &atlas::base_color, 0, 30, 10)[1] == 255);
         s = bake(m, cloud, {.texels = 64, .max_extra_angle = 0});
         CHECK(texel_of(s, &atlas::base_color, 0, 30, 10)[0] == 255);
+    }
+
+    TEST_CASE("a plane with only also-drawn faces shows them, even those between all samples") {
+        for (const float height : {1.0f, 1e-6f}) {
+            mesh m = quad(1, height);
+            billboard_cloud cloud = cloud_on(m, {{{0, 0, 1}, 0}, {{0, 0, 1}, 0.01}}, 0.1, 1);
+            cloud.also_drawn = {{1, 0}, {1, 1}};
+            fit_billboards(m, cloud);
+            const auto s = bake(m, cloud, {.texels = 32, .max_extra_angle = 0});
+            for (const std::size_t i : {0u, 1u}) {
+                int opaque = 0;
+                const tile& t = s.baked.tiles[i];
+                for (int y = 0; y < t.height; ++y) {
+                    for (int x = 0; x < t.width; ++x) {
+                        const image& color = s.baked.atlases[t.atlas].base_color;
+                        opaque += color.pixel(t.x + x, t.y + y)[3] == 255;
+                    }
+                }
+                CHECK(opaque >= (height == 1.0f ? 200 : 1));
+            }
+        }
+    }
+
+    TEST_CASE("each part has its own alpha threshold") {
+        mesh m = quad(1, 1);
+        give_texture(m, image::filled(4, 4, 4, 100), alpha_mode::blend);  // 39 % of the samples
+        billboard_cloud cloud = cloud_on(m, {{{0, 0, 1}, 0}}, 0.1, 1);
+        cloud.parts = {{0.1}, {0.1}};
+        bake_options options{.texels = 32};
+        options.part_thresholds = {{.foliage = 0.3}, {.foliage = 0.5}};
+        for (const part_id part : {0u, 1u}) {
+            cloud.part_of_plane = {part};
+            CHECK((opaque_texels(bake(m, cloud, options)) > 200) == (part == 0));
+        }
+    }
+
+    TEST_CASE("faces in the envelope close cracks of a teapot, and enlarge nothing") {
+        const mesh pot = teapot(8);
+        const auto faces = make_face_table(pot);
+        REQUIRE(faces);
+        billboard_cloud cloud =
+            greedy_search(*faces, pot.face_count(), {.epsilon = 0.1 * faces->bounds.radius}).cloud;
+        fit_billboards(pot, cloud);
+        // Pixels of the original that show the background in the cloud.
+        const auto missing = [&](const bake_options& options) {
+            const auto s = bake(pot, cloud, options);
+            CHECK(s.baked.tiles.size() == cloud.plane_count());
+            for (std::size_t i = 0; i < cloud.plane_count(); ++i) {
+                CHECK(s.cloud.billboards[i].width <
+                      cloud.billboards[i].width + 1.01 * s.baked.texel_size);
+            }
+            const mesh cards = cloud_mesh(s.cloud, s.baked);
+            int count = 0;
+            for (const dvec3 from : {dvec3(1, 1, 1), dvec3(-2, 1, 0.5), dvec3(0.3, 0.5, -1)}) {
+                const auto view = view_of(cloud.bounds, from, 256, 256);
+                const picture_options blue{.background = vec3(0, 0, 1)};
+                const image a = draw_picture(pot, view, blue);
+                const image b = draw_picture(cards, view, blue);
+                const auto is_background = [](const std::uint8_t* p) {
+                    return p[0] == 0 && p[1] == 0 && p[2] == 255;
+                };
+                for (std::size_t i = 0; i < a.bytes.size(); i += 3) {
+                    count += !is_background(&a.bytes[i]) && is_background(&b.bytes[i]);
+                }
+            }
+            return count;
+        };
+        const int own = missing({.texels = 256, .max_extra_angle = 0});
+        const int closed =
+            missing({.texels = 256, .max_extra_angle = 0, .cracks = crack_reduction::envelope});
+        CHECK(closed < 0.75 * own);
+        // Faces that are merely valid close most of them already.
+        const int valid = missing({.texels = 256});
+        CHECK(missing({.texels = 256, .cracks = crack_reduction::envelope}) < 0.95 * valid);
+        const bake_options three{.texels = 256, .cracks = crack_reduction::envelope};
+        const auto one = bake(pot, cloud, three, {1});
+        const auto many = bake(pot, cloud, three, {3});
+        CHECK(one.baked.atlases[0].base_color == many.baked.atlases[0].base_color);
     }
 
     TEST_CASE("channels carry roughness, metal and glow where there are any") {
