@@ -1,5 +1,7 @@
 #include <billow/density/rasterize.hpp>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -35,6 +37,9 @@ row_values values(const density_grid& grid, std::size_t row) {
     grid.for_each_bin(row, [&](int, std::int64_t c, std::int64_t p) { all.emplace_back(c, p); });
     return all;
 }
+
+using falling =
+    density_policies<hull_of_samples, angular_area, inner_side_penalty, distance_falloff>;
 
 /// Covered share of a bin, as a picture would be drawn: the overlap of two intervals.
 double coverage(const offset_axis& axis, int bin, double low, double high) {
@@ -184,5 +189,89 @@ TEST_SUITE("density/rasterize") {
                 REQUIRE(std::abs(own[b].second - mirrored[b].second) <= 2000 * 2);
             }
         }
+    }
+    TEST_CASE("under a falloff every bin is that of brute force") {
+        const cube_map space(6);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(50, 0.2, 1));
+        density_grid grid(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+        rasterize_density(faces, std::span<const orientation_cell>(cells), falling{}, epsilon,
+                          grid);
+        double largest_difference = 0;
+        for (std::size_t row = 0; row < cells.size(); ++row) {
+            std::vector<double> expected(static_cast<std::size_t>(grid.axis().bin_count));
+            for (std::size_t f = 0; f < faces.size; ++f) {
+                const auto face = load_faces<float>(faces, f);
+                const auto valid =
+                    hull_of_samples{}(face, cell_lanes<float>(cells[row]), float(epsilon));
+                if (valid.low > valid.high) continue;
+                const double low = double(valid.low), high = double(valid.high);
+                for (int bin = 0; bin < grid.axis().bin_count; ++bin) {
+                    if (coverage(grid.axis(), bin, low, high) < 1e-5) continue;
+                    const double aside = std::abs(grid.axis().centre_of(bin) - (low + high) / 2);
+                    const double distance = std::max(0.0, aside - grid.axis().spacing / 2);
+                    expected[static_cast<std::size_t>(bin)] +=
+                        double(angular_area{}(face, fill_lanes<float>(cells[row].centre))) /
+                        (distance / epsilon + 1);
+                }
+            }
+            grid.for_each_bin(row, [&](int bin, std::int64_t c, std::int64_t) {
+                const double difference =
+                    double(c) / grid.scale() - expected[static_cast<std::size_t>(bin)];
+                largest_difference = std::max(largest_difference, std::abs(difference));
+            });
+        }
+        CHECK(largest_difference < 1e-5);
+    }
+    TEST_CASE(
+        "under a falloff lanes and threads give the same integers, removal leaves exactly 0") {
+        const cube_map space(6);
+        const auto cells = cells_of(space);
+        const face_table faces = support::table_of(support::random_triangles(3000, 0.1, 2));
+        const auto change = [&](auto lane, density_grid& grid, density_change how,
+                                unsigned threads) {
+            rasterize_density<decltype(lane)>(faces, std::span<const orientation_cell>(cells),
+                                              falling{}, epsilon, grid, how, {threads});
+        };
+        density_grid scalar(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+        change(float{}, scalar, density_change::add, 1);
+        for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+            density_grid wide(cells.size(), axis_of(faces.bounds.radius), density_scale(faces));
+            change(simd::wide{}, wide, density_change::add, threads);
+            bool is_same = true;
+            for (std::size_t row = 0; row < cells.size(); ++row) {
+                is_same &= values(wide, row) == values(scalar, row);
+            }
+            CHECK(is_same);
+        }
+        change(simd::wide{}, scalar, density_change::remove, 2);
+        for (std::size_t row = 0; row < cells.size(); ++row) {
+            for (const ramp& r : scalar.contribution(row)) REQUIRE(r == ramp{});
+            for (const ramp& r : scalar.penalty(row)) REQUIRE(r == ramp{});
+        }
+    }
+    TEST_CASE("a bin of weight 0.4 that a penalty of 10 covers to 0.8 counts -7.6") {
+        // Luksch 2009, Figure 3.7: bins of half an epsilon. The unit square lies in a plane of offset
+        // 0.515 with epsilon 0.1, so its offsets begin 0.8 bins up in the bin from 0.375 to 0.425.
+        const double eps = 0.1;
+        mesh m;
+        support::add_square(m, {0, 0, 0.515f}, {0.5f, 0, 0}, {0, 0.5f, 0});
+        support::add_square(m, {0, 0, -0.515f}, {0.5f, 0, 0}, {0, 0.5f, 0});
+        const face_table both = support::table_of(m);
+        const face_table square = select_rows(both, std::vector<std::uint32_t>{0, 1});
+        const orientation_cell up =
+            make_cell({0, 0, 1}, std::array{dvec3(0, 0, 1), dvec3(0, 0, 1), dvec3(0, 0, 1)});
+        density_grid grid(1, {-0.025 - 20 * 0.05, 0.05, 41}, density_scale(square));
+        // Its middle is 2.3 bins above that bin's, of which half a bin is free.
+        const double strength = 1.5 / (1.8 * 0.5);
+        rasterize_density(square, std::span(&up, 1),
+                          density_policies{hull_of_samples{}, projected_area{},
+                                           inner_side_penalty{10}, distance_falloff{strength}},
+                          eps, grid);
+        double density = 0;
+        grid.for_each_bin(0, [&](int bin, std::int64_t c, std::int64_t p) {
+            if (bin == 28) density = (double(c) - 10 * double(p)) / grid.scale();
+        });
+        CHECK(density == doctest::Approx(-7.6).epsilon(1e-4));
     }
 }

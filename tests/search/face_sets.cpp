@@ -67,4 +67,33 @@ TEST_SUITE("search/face_sets") {
             }
         }
     }
+    TEST_CASE("a normal threshold takes away exactly the faces that deviate more") {
+        const face_table faces = support::table_of(support::random_triangles(5000, 0.1, 6));
+        const plane p{glm::normalize(dvec3(1, -2, 0.5)), 0.1};
+        const within_angle worth{projected_area{}, 25};
+        face_rows expected;
+        for (const std::uint32_t row : faces_valid_for(faces, p, 0.1)) {
+            const double cosine = std::abs(glm::dot(faces.normal.get(row), p.normal));
+            if (cosine >= double(worth.least_cosine)) expected.push_back(row);
+        }
+        REQUIRE(expected.size() > 10);
+        CHECK(faces_valid_for(faces, p, 0.1, worth) == expected);
+        CHECK(faces_valid_for(faces, p, 0.1, projected_area{}) == faces_valid_for(faces, p, 0.1));
+
+        const cube_map space(18);
+        const orientation_cell cell = space.cell(space.orientation_of(p.normal));
+        const face_rows candidates =
+            faces_valid_for_bin(faces, cell, 0.05, 0.15, 0.1, widened_centre{}, worth);
+        CHECK(std::ranges::includes(candidates, expected));
+        CHECK(candidates.size() <
+              faces_valid_for_bin(faces, cell, 0.05, 0.15, 0.1, widened_centre{}).size());
+    }
+    TEST_CASE("any threshold lets a face's own plane take it") {
+        const face_table faces = support::table_of(support::random_triangles(500, 0.2, 5));
+        for (std::uint32_t row = 0; row < faces.size; ++row) {
+            const face_rows rows = faces_valid_for(faces, supporting_plane(faces, row), 0.01,
+                                                   within_angle{angular_area{}, 0});
+            CHECK(std::ranges::binary_search(rows, row));
+        }
+    }
 }
