@@ -5,6 +5,7 @@
 
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/core/random.hpp>
+#include <billow/improve/cardboard.hpp>
 #include <billow/plants/species.hpp>
 #include <billow/search/greedy.hpp>
 
@@ -22,16 +23,27 @@ billboard_cloud cloud_of(const bench::scene& scene) {
     return cloud;
 }
 
-void bake(benchmark::State& state, const bench::scene& scene, unsigned threads) {
+void bake(benchmark::State& state, const bench::scene& scene, unsigned threads,
+          const bake_options& options = {}) {
     const billboard_cloud cloud = cloud_of(scene);
     const auto bake_once = [&] {
         billboard_cloud snapped = cloud;
-        return bake_cloud(scene.mesh, scene.faces, snapped, {}, {threads});
+        return bake_cloud(scene.mesh, scene.faces, snapped, options, {threads});
     };
     double texels = 0;
     for (const tile& t : bake_once().tiles) texels += static_cast<double>(t.width) * t.height;
     bench::repeat(state, {"ms_per_megatexel", 1e3, texels / 1e6}, bake_once);
     state.counters["tiles"] = static_cast<double>(cloud.plane_count());
+}
+
+void cardboard(benchmark::State& state, const bench::scene& scene) {
+    const billboard_cloud cloud = cloud_of(scene);
+    std::size_t added = 0;
+    bench::repeat(state, bench::ns_per_face(scene.mesh.face_count()), [&] {
+        billboard_cloud more = cloud;
+        added = add_cardboard_planes(scene.mesh, more, {}, {1});
+    });
+    state.counters["added"] = static_cast<double>(added);
 }
 
 void pack(benchmark::State& state, std::size_t size) {
@@ -56,6 +68,17 @@ const bool rows = [] {
                 static const bench::scene tree(*grow(*with_face_count(broadleaf(), 20'000, 1), 1));
                 bake(state, tree, threads);
             });
+    }
+    for (const std::size_t size : {1'000u, 113'016u}) {
+        for (const auto cracks : {crack_reduction::none, crack_reduction::envelope}) {
+            const bool is_plain = cracks == crack_reduction::none;
+            bench::add_row(is_plain ? "bake.cracks/none" : "bake.cracks/envelope", size, bench::isa,
+                           1, [=](benchmark::State& state) {
+                               bake(state, bench::leaves(size), 1, {.cracks = cracks});
+                           });
+        }
+        bench::add_row("improve.cardboard/leaf_soup", size, "scalar", 1,
+                       [=](benchmark::State& state) { cardboard(state, bench::leaves(size)); });
     }
     for (const std::size_t size : {100u, 1'000u}) {
         bench::add_row("bake.pack/random", size, "scalar", 1,
