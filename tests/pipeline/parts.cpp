@@ -260,7 +260,9 @@ TEST_SUITE("pipeline/parts") {
     }
     TEST_CASE("trunk and foliage as parts show more of their area than searched as one") {
         // With the trunk's own finer epsilon its textures are seen frontally.
-        const auto& [tree, roles, trunk, foliage] = parted();
+        const mesh& tree = parted().tree;  // captured below, as a binding must not be
+        const std::vector<face_id>& trunk = parted().trunk;
+        const std::vector<face_id>& foliage = parted().foliage;
         const auto whole = build_cloud(tree, small(0.2));
         const auto split =
             build_cloud(tree, small(1), plans{{foliage, small(0.2), {}}, {trunk, small(0.05), {}}});
