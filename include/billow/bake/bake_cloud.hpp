@@ -11,6 +11,7 @@
 #include <billow/bake/baked_cloud.hpp>
 #include <billow/bake/border.hpp>
 #include <billow/bake/draw_set.hpp>
+#include <billow/bake/occlusion.hpp>
 #include <billow/bake/pack.hpp>
 #include <billow/bake/surface.hpp>
 #include <billow/bake/texel.hpp>
@@ -36,6 +37,8 @@ struct bake_options {
     coverage_thresholds thresholds{};
     std::vector<coverage_thresholds> part_thresholds{};  ///< one a part; none: `thresholds` for all
     crack_reduction cracks = crack_reduction::none;
+    occlusion_options occlusion{.rays = 0};  ///< darkens what sees little sky; no rays: nothing
+    bool with_horizon = false;               ///< atlas::horizon, measured by the same rays
     double envelope_scale =
         1;  ///< size of the boxes that faces must reach into, above 0 to 1: less
             ///< is drawn where it does not belong, more cracks stay
@@ -74,6 +77,7 @@ public:
         choose_texel_size();
         snap_to_texels(cloud_, baked_.texel_size);
         place_tiles();
+        measure_sky();
         draw_tiles();
         report(progress_, "bake", 0.9);
         ensure_every_tile_shows();
@@ -134,6 +138,9 @@ private:
             baked_.atlases.push_back(
                 {image::filled(size.x, size.y, 4, 0), image::filled(size.x, size.y, 3, 0),
                  image::filled(size.x, size.y, 3, 0), image::filled(size.x, size.y, 3, 0)});
+            if (options_.with_horizon) {
+                baked_.atlases.back().horizon = image::filled(size.x, size.y, 4, 0);
+            }
             atlas_area += static_cast<double>(size.x) * size.y;
         }
         for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -143,6 +150,12 @@ private:
             tile_area += static_cast<double>(size.x) * size.y;
         }
         baked_.fill = atlas_area > 0 ? tile_area / atlas_area : 0;
+    }
+
+    void measure_sky() {
+        if (options_.occlusion.rays == 0) return;
+        sky_ = see_sky(look_, faces_, options_.occlusion, threads_);
+        look_.light_by(sky_);
     }
 
     void draw_tiles() {
@@ -311,6 +324,7 @@ private:
     parallel threads_;
     const progress_function& progress_;
     surface look_;
+    sky_table sky_{};
     baked_cloud baked_{};
     std::vector<draw_target> targets_{};
     std::vector<job> jobs_{};
@@ -337,6 +351,7 @@ private:
                                             const progress_function& progress = {}) {
     BILLOW_ASSERT(cloud.billboards.size() == cloud.plane_count());
     BILLOW_ASSERT(cloud.plane_of_face.size() == source.face_count());
+    BILLOW_ASSERT(!options.with_horizon || options.occlusion.rays > 0);
     BILLOW_ASSERT(options.texels > 0 && options.padding >= 0);
     BILLOW_ASSERT(options.supersample >= 1 && options.supersample <= max_supersample);
     BILLOW_ASSERT(options.max_atlas > 2 * options.padding + 4);

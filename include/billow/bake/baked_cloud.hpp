@@ -28,6 +28,7 @@ struct atlas {
     image normal{};
     image occlusion_roughness_metallic{};  ///< RGB, linear
     image emissive{};                      ///< RGB, sRGB
+    image horizon{};  ///< RGBA, linear: the visible sky in scene space, see decode_horizon
 
     [[nodiscard]] int width() const noexcept { return base_color.width; }
     [[nodiscard]] int height() const noexcept { return base_color.height; }

@@ -33,7 +33,7 @@ struct pixel_rectangle {
             std::min(in.height(), t.y + t.height + padding) - y};
 }
 
-/// All channels of a pixel but alpha.
+/// All channels of a pixel but the alpha of its colour.
 inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
     for (image* channel :
          {&in.base_color, &in.normal, &in.occlusion_roughness_metallic, &in.emissive}) {
@@ -41,6 +41,8 @@ inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
         const std::uint8_t* source = channel->pixel(from.x, from.y);
         std::copy(source, source + 3, channel->pixel(to.x, to.y));
     }
+    if (in.horizon.empty()) return;
+    std::copy_n(in.horizon.pixel(from.x, from.y), 4, in.horizon.pixel(to.x, to.y));
 }
 
 struct border_scratch {

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <billow/bake/sky_table.hpp>
 #include <billow/bake/texture_sampler.hpp>
 #include <billow/core/types.hpp>
 #include <billow/image/mip_chain.hpp>
@@ -22,6 +23,7 @@ struct surface_sample {
     float roughness = 1;
     float metallic = 0;
     vec3 emissive{0};
+    vec4 visible_sky{0, 0, 0, 1};  ///< sky_view::visible
 };
 
 /// How it is decided whether a sample of a face is there.
@@ -131,6 +133,10 @@ public:
     surface(const surface&) = delete;
     surface& operator=(const surface&) = delete;
 
+    /// From now on the sky that `sky` says is visible multiplies the occlusion. Needs: it outlives
+    /// this; the table of source().
+    void light_by(const sky_table& sky) noexcept { sky_ = &sky; }
+
     [[nodiscard]] const mesh& source() const noexcept { return mesh_; }
     [[nodiscard]] const material& material_of(face_id face) const noexcept {
         return *materials_[material_row(face)].look;
@@ -218,6 +224,11 @@ public:
         if (bound.occlusion) {
             const vec4 value = sampled(bound.occlusion, look.levels[3]);
             sample.occlusion = 1 + m.occlusion_strength * (value.x - 1);
+        }
+        if (sky_ != nullptr) {
+            const sky_view view = sky_->at(look.face, weights);
+            sample.occlusion *= view.open;
+            sample.visible_sky = view.visible;
         }
         sample.emissive = m.emissive;
         if (bound.emissive) sample.emissive *= vec3(sampled(bound.emissive, look.levels[4]));
@@ -328,6 +339,7 @@ private:
     }
 
     const mesh& mesh_;
+    const sky_table* sky_ = nullptr;
     std::vector<std::unique_ptr<detail::image_chain>> chains_{};
     std::vector<detail::bound_material> materials_{};
     bool has_vertex_alpha_ = false;

@@ -8,6 +8,7 @@
 #include <array>
 
 #include <billow/bake/baked_cloud.hpp>
+#include <billow/bake/horizon.hpp>
 #include <billow/bake/visibility.hpp>
 #include <billow/core/types.hpp>
 #include <billow/image/srgb.hpp>
@@ -39,6 +40,7 @@ public:
         sum_.roughness += sample.roughness * weight;
         sum_.metallic += sample.metallic * weight;
         sum_.emissive += sample.emissive * weight;
+        sum_.visible_sky += sample.visible_sky * weight;
         weight_ += weight;
     }
     /// Needs a sample. Normals that cancel out give `front`.
@@ -50,7 +52,8 @@ public:
                 .occlusion = sum_.occlusion * scale,
                 .roughness = sum_.roughness * scale,
                 .metallic = sum_.metallic * scale,
-                .emissive = sum_.emissive * scale};
+                .emissive = sum_.emissive * scale,
+                .visible_sky = sum_.visible_sky * scale};
     }
 
 private:
@@ -59,7 +62,8 @@ private:
                         .occlusion = 0,
                         .roughness = 0,
                         .metallic = 0,
-                        .emissive = vec3(0)};
+                        .emissive = vec3(0),
+                        .visible_sky = vec4(0)};
     float weight_ = 0;
 };
 
@@ -121,6 +125,10 @@ inline void write_texel(atlas& to, const tile& t, const frame& axes, int x, int 
     orm[2] = byte_from_unit(look.metallic);
     std::uint8_t* emissive = to.emissive.pixel(at.x, at.y);
     for (int c = 0; c < 3; ++c) emissive[c] = srgb_byte_from_linear(look.emissive[c]);
+    if (!to.horizon.empty()) {
+        const auto cone = encode_horizon(cone_of(look.visible_sky));
+        std::copy(cone.begin(), cone.end(), to.horizon.pixel(at.x, at.y));
+    }
 }
 
 }  // namespace billow::inline BILLOW_ABI

@@ -204,6 +204,10 @@ private:
         return static_cast<std::uint32_t>(blocks_.size() - 1);
     }
 
+    [[nodiscard]] static float blocks_for(std::size_t count) noexcept {
+        return static_cast<float>((count + width - 1) / width);
+    }
+
     /// Sorts items to two sides of a plane between bins of centres; gives how many are on the left.
     [[nodiscard]] static std::size_t split_by_area(std::span<item> items) {
         constexpr std::size_t bin_count = 16;
@@ -231,7 +235,7 @@ private:
         for (std::size_t bin = bin_count; --bin > 0;) {
             right.add(boxes[bin]);
             right_count += counts[bin];
-            cost_of_right[bin] = right.area() * static_cast<float>(right_count);
+            cost_of_right[bin] = right.area() * blocks_for(right_count);
         }
         bounds3 left;
         std::size_t left_count = 0;
@@ -240,7 +244,7 @@ private:
         for (std::size_t bin = 1; bin < bin_count; ++bin) {
             left.add(boxes[bin - 1]);
             left_count += counts[bin - 1];
-            const float cost = left.area() * static_cast<float>(left_count) + cost_of_right[bin];
+            const float cost = left.area() * blocks_for(left_count) + cost_of_right[bin];
             if (left_count > 0 && left_count < items.size() && cost < least) {
                 least = cost;
                 best = bin;
