@@ -69,6 +69,17 @@ TEST_SUITE("lod/chain") {
             CHECK(level.jump.max <= level.built.cloud.epsilon + 1e-6 * chain->bounds.radius);
         }
     }
+    TEST_CASE("corners that welding moves stay within the bound") {
+        lod_options options = small({20, 12});
+        options.build.weld.kind = weld_kind::intersection;
+        const auto chain = build_lod_chain(teapot(3), options, coarse);
+        REQUIRE(chain);
+        CHECK_FALSE(chain->levels[0].built.moved.empty());
+        CHECK(chain->levels[1].built.moved.empty());
+        for (const lod_level& level : chain->levels) {
+            CHECK(level.error.max <= level.error_bound + 1e-6 * chain->bounds.radius);
+        }
+    }
     TEST_CASE("a level of few planes is made of the mesh") {
         lod_options options = small({20, 12, 6});
         const mesh m = leaf_soup(400, {.edge = 0.15f});

@@ -50,6 +50,16 @@ TEST_SUITE("lod/displacement") {
             CHECK(moved.mean == doctest::Approx((0.0 + 0.2 + 0.1) / 3).epsilon(1e-5));
         }
     }
+    TEST_CASE("corners that have moved before are drawn below where they went") {
+        const dvec3 centre(3, -1, 2);
+        const auto cloud = cloud_of(centre, {{{1, 0, 0}, 1 - centre.x}}, {0});
+        const std::vector<moved_face> moved{
+            {0, {dvec3(1, 0, 0) - centre, dvec3(1.3, 1, 0.5) - centre, dvec3(0.9, 0, 1) - centre}}};
+        const drawn_faces drawn = drawn_by(cloud, undisplaced(one), moved);
+        CHECK(glm::distance(drawn.corners[0][0], dvec3(1, 0, 0)) < 1e-6);
+        CHECK(glm::distance(drawn.corners[0][1], dvec3(1, 1, 0.5)) < 1e-6);
+        CHECK(glm::distance(drawn.corners[0][2], dvec3(1, 0, 1)) < 1e-6);
+    }
     TEST_CASE("a level made of billboards moves what the level above has moved") {
         // x = 1, then the plane through the y axis that is turned by 45 degrees.
         const double half = std::sqrt(0.5);

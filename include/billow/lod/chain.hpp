@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,10 +42,9 @@ struct lod_level {
     build_result built{};
     std::size_t most_planes = 0;            ///< as asked for
     lod_source made_of = lod_source::mesh;  ///< level 0 always of the mesh
-    double error_bound =
-        0;                 ///< no corner is drawn farther from its place, scene units: epsilon, or
-                           ///< what was met where that is larger, and the bound of the level it is
-                           ///< made of
+    /// No corner is drawn farther from its place, scene units: epsilon, or what was met where that is
+    /// larger, and the bound of the level it is made of.
+    double error_bound = 0;
     displacement error{};  ///< from the mesh, composed through the levels
     displacement jump{};   ///< from the level above, at the switch; level 0: from the mesh
 };
@@ -132,6 +132,8 @@ template <level_builder FromMesh, level_builder FromBillboards>
         }
         const billboard_cloud& cloud = level.built.cloud;
         level.error_bound = std::max(cloud.epsilon, level.built.errors.max_error);
+        // Welding moves a corner by epsilon at most, along its plane while its distance stays.
+        if (!level.built.moved.empty()) level.error_bound *= std::numbers::sqrt2;
         if (is_incremental) {
             level.made_of = lod_source::level_above;
             level.built.kept = chain.levels.back().built.kept;
@@ -141,7 +143,7 @@ template <level_builder FromMesh, level_builder FromBillboards>
             is_incremental
                 ? drawn_through(cloud, billboards_of_faces(billboards),
                                 chain.levels[number - 1].built.cloud.plane_count(), above)
-                : drawn_by(cloud, original);
+                : drawn_by(cloud, original, level.built.moved);
         level.error = displacement_between(source, original, drawn);
         level.jump = displacement_between(source, above, drawn);
         above = std::move(drawn);
@@ -184,6 +186,7 @@ template <class... Parts>
         options.epsilon = tolerance::scene_units(
             epsilon_of_level(*faces, source.face_count(), options, most_planes, parts));
     }
+    options.planes = 0;
     options.search.max_planes = most_planes;
     return build_cloud(source, options, parts, progress);
 }
@@ -204,6 +207,7 @@ template <class... Parts>
                                      const progress_function& tell) {
         build.search.skip_area = 0;  // a billboard shows many faces
         build.search.min_contribution = 0;
+        build.weld = {};  // billboards share no vertex
         const pipeline whole{parts.space, parts.policies, parts.fitter, parts.grouping,
                              whole_billboards(billboards_of_faces(of))};
         return detail::build_level(of, build, most_planes, whole, tell);

@@ -11,6 +11,7 @@
 #include <billow/cloud/billboard_cloud.hpp>
 #include <billow/core/types.hpp>
 #include <billow/mesh/mesh.hpp>
+#include <billow/search/motion.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -78,11 +79,21 @@ template <class PlaneOf>
 
 }  // namespace detail
 
-/// Where a cloud of the mesh itself draws the faces. Needs the original's `undisplaced` faces.
-[[nodiscard]] inline drawn_faces drawn_by(const billboard_cloud& cloud,
-                                          const drawn_faces& original) {
-    return detail::drawn_on(cloud, original,
-                            [&](face_id face) { return cloud.plane_of_face[face]; });
+/// Where a cloud of the mesh itself draws the faces, of which some corners have `moved` around the
+/// cloud's centre before. Needs the original's `undisplaced` faces.
+[[nodiscard]] inline drawn_faces drawn_by(const billboard_cloud& cloud, const drawn_faces& original,
+                                          std::span<const moved_face> moved = {}) {
+    drawn_faces drawn =
+        detail::drawn_on(cloud, original, [&](face_id face) { return cloud.plane_of_face[face]; });
+    for (const moved_face& m : moved) {
+        const plane_id plane = cloud.plane_of_face[m.face];
+        if (plane == no_id) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            drawn.corners[m.face][k] =
+                detail::foot_on(cloud, plane, m.corners[k] + cloud.bounds.centre);
+        }
+    }
+    return drawn;
 }
 
 /// Where a cloud of the billboards of the level `above` draws the faces. Needs the billboard of each

@@ -88,9 +88,10 @@ struct build_result {
     greedy_statistics statistics{};    ///< sums over the parts; shares are of their common area
     std::vector<part_result> parts{};  ///< in the order of the plans
     cloud_errors errors{};
-    weld_statistics weld{};       ///< of the welding after the search
-    cloud_cracks cracks{};        ///< where corners have moved: without that,
-    cloud_cracks cracks_drawn{};  ///< and with it
+    std::vector<moved_face> moved{};  ///< whose corners welding moved, around cloud.bounds.centre
+    weld_statistics weld{};           ///< of the welding after the search
+    cloud_cracks cracks{};            ///< where corners have moved: without that,
+    cloud_cracks cracks_drawn{};      ///< and with it
     double search_seconds = 0;
     double bake_seconds = 0;
 

@@ -80,7 +80,7 @@ public:
         told.statistics.degenerate_faces = told.faces.degenerate;
         add_statistics(told.statistics, area_of(rows));
         clouds_.push_back(std::move(found.cloud));
-        moved_.insert(moved_.end(), found.moved.begin(), found.moved.end());
+        result_.moved.insert(result_.moved.end(), found.moved.begin(), found.moved.end());
         welds_.push_back(plan.weld);
         cardboards_.push_back(plan.cardboard);
         thresholds_.push_back(plan.bake.thresholds);
@@ -192,22 +192,22 @@ private:
         if (welds_.empty()) return;
         welded_faces welded = weld_faces(source_, result_.cloud, welds_);
         result_.weld = welded.statistics;
-        moved_.insert(moved_.end(), welded.moved.begin(), welded.moved.end());
-        std::erase_if(moved_, [&](const moved_face& moved) {
+        result_.moved.insert(result_.moved.end(), welded.moved.begin(), welded.moved.end());
+        std::erase_if(result_.moved, [&](const moved_face& moved) {
             return result_.cloud.plane_of_face[moved.face] == no_id;
         });
-        std::sort(moved_.begin(), moved_.end(),
+        std::sort(result_.moved.begin(), result_.moved.end(),
                   [](const moved_face& a, const moved_face& b) { return a.face < b.face; });
     }
 
     void texture() {
-        if (moved_.empty()) {
+        if (result_.moved.empty()) {
             bake(source_, without_kept(std::move(faces_)));
             return;
         }
         double tolerance = 0;
         for (const weld_options& weld : welds_) tolerance = std::max(tolerance, weld.tolerance);
-        const mesh drawn = drawn_mesh(source_, result_.cloud, moved_);
+        const mesh drawn = drawn_mesh(source_, result_.cloud, result_.moved);
         result_.cracks = measure_cracks(source_, result_.cloud, source_, tolerance);
         result_.cracks_drawn = measure_cracks(source_, result_.cloud, drawn, tolerance);
         faces_ = *make_face_table(drawn, options_.threads);  // the source's was good
@@ -263,7 +263,6 @@ private:
     std::size_t rows_done_ = 0;
     double area_done_ = 0;
     std::vector<billboard_cloud> clouds_{};
-    std::vector<moved_face> moved_{};
     std::vector<weld_options> welds_{};
     std::vector<cardboard_options> cardboards_{};
     std::vector<coverage_thresholds> thresholds_{};
