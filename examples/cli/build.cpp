@@ -36,7 +36,7 @@ expected<done> write_results(const build_arguments& arguments, const build_resul
     return done{};
 }
 
-exit_code build(const build_arguments& arguments, const recipe& how) {
+exit_code build(const build_arguments& arguments, const cloud_options& options) {
     stopwatch watch;
     for (const auto* file : {&arguments.output, &arguments.report, &arguments.atlas_png}) {
         if (file->empty()) continue;
@@ -48,6 +48,8 @@ exit_code build(const build_arguments& arguments, const recipe& how) {
     if (!loaded) return progress.clear(), fail(loaded.error());
     tool_times seconds{.load = watch.lap()};
 
+    model_recipe how = options.recipe_for(loaded->mesh);
+    how.whole.options.threads = {arguments.threads};
     const expected<build_result> result = make_cloud(loaded->mesh, how, std::ref(progress));
     if (!result) {
         progress.clear();
@@ -109,13 +111,12 @@ void add_build(CLI::App& tool, exit_code& result) {
     verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
 
     verb->callback([arguments, options, &result] {
-        recipe how = options->make_recipe();
-        how.options.threads = {arguments->threads};
+        options->check();
         std::error_code ignored;
         if (std::filesystem::equivalent(arguments->input, arguments->output, ignored)) {
             throw CLI::ValidationError("--output", "is the input itself");
         }
-        result = build(*arguments, how);
+        result = build(*arguments, *options);
     });
 }
 

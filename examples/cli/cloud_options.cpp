@@ -2,45 +2,176 @@
 
 #include "cloud_options.hpp"
 
+#include <algorithm>
+#include <map>
+
 #include "shared.hpp"
 
 namespace cli {
 
 using namespace billow;
 
+namespace {
+
+recipe solid_recipe(const std::string& preset) {
+    if (preset == "classic") return recipe_of(presets::classic());
+    if (preset == "thesis") return recipe_of(presets::thesis());
+    if (preset == "tree") return recipe_of(presets::tree().trunk);
+    return recipe_of(presets::solid());
+}
+
+recipe foliage_recipe(const std::string& preset) {
+    if (preset == "classic") return recipe_of(presets::classic());
+    if (preset == "thesis") return recipe_of(presets::thesis(model_kind::foliage));
+    if (preset == "solid") return recipe_of(presets::solid());
+    return recipe_of(presets::tree().foliage);
+}
+
+recipe trunk_recipe(const std::string& preset) {
+    return preset == "auto" ? solid_recipe("tree") : solid_recipe(preset);
+}
+
+/// "billboards", "keep" or "reduce:0.2".
+std::pair<trunk_use, double> parse_trunk(const std::string& text) {
+    if (text == "billboards") return {trunk_use::billboards, 1};
+    if (text == "keep") return {trunk_use::keep, 1};
+    if (text.starts_with("reduce:")) {
+        const double share = parse_share("--trunk", text.substr(7));
+        if (share > 0) return {trunk_use::reduce, share};
+    }
+    throw CLI::ValidationError("--trunk", "'" + text +
+                                              "' is neither billboards nor keep nor a share of its "
+                                              "triangles such as reduce:20%");
+}
+
+/// Sets how a part is welded, before or after its planes are found.
+void choose_weld(recipe& how, const std::string& name) {
+    how.method.motion.is_welding = name == "online";
+    how.options.weld.kind = name == "first"          ? weld_kind::first
+                            : name == "intersection" ? weld_kind::intersection
+                                                     : weld_kind::none;
+}
+
+const CLI::IsMember contribution_names{{"projected", "angular"}};
+const CLI::IsMember weld_names{{"none", "first", "intersection", "online"}};
+
+}  // namespace
+
 cloud_options::cloud_options(CLI::App& verb) : verb_(verb) {
+    add_preset_options();
     add_plane_options();
+    add_density_options();
+    add_seam_options();
+    add_trunk_options();
     add_texture_options();
 }
 
-recipe cloud_options::make_recipe() const {
-    recipe how;
-    for (const auto& change : changes_) change(how);
-    if (how.options.bake.max_atlas <= 2 * how.options.bake.padding + 4) {
-        throw CLI::ValidationError("--padding", "leaves no room within --max-atlas");
+void cloud_options::check() const {
+    for (const bool is_trunk : {false, true}) {
+        recipe how = solid_recipe(preset_);
+        change_all(how, is_trunk);
+        if (how.options.bake.max_atlas <= 2 * how.options.bake.padding + 4) {
+            throw CLI::ValidationError("--padding", "leaves no room within --max-atlas");
+        }
     }
+    (void)parse_trunk(trunk_);
+}
+
+void cloud_options::change_all(recipe& how, bool is_trunk) const {
+    for (const change& apply : changes_) apply(how);
+    if (!is_trunk) return;
+    for (const change& apply : trunk_changes_) apply(how);
+}
+
+model_description cloud_options::look_at(const mesh& source) const {
+    return describe(source, {.foliage_materials = foliage_materials_});
+}
+
+bool cloud_options::wants_split(const model_description& model) const {
+    if (split_ != "auto") return split_ == "on";
+    const bool is_asked =
+        !foliage_materials_.empty() || trunk_ != "billboards" ||
+        std::ranges::any_of(trunk_options_, [](const auto* o) { return o->count() > 0; });
+    const bool is_for_trees = preset_ == "auto" || preset_ == "tree";
+    return is_asked || (is_for_trees && model.kind == model_kind::split);
+}
+
+model_recipe cloud_options::recipe_for(const mesh& source) const {
+    const model_description model = look_at(source);
+    model_recipe result;
+    result.preset = preset_;
+    if (preset_ == "auto" || split_ == "auto") result.note = model.reason;
+    const bool has_both = model.roles.foliage_area_share > 0 && model.roles.foliage_area_share < 1;
+    if (wants_split(model) && has_both) {
+        result.whole = foliage_recipe(preset_);
+        result.trunk = trunk_recipe(preset_);
+        change_all(*result.trunk, true);
+        result.roles = model.roles;
+        std::tie(result.use, result.reduced_share) = parse_trunk(trunk_);
+    } else {
+        result.whole =
+            model.kind == model_kind::solid ? solid_recipe(preset_) : foliage_recipe(preset_);
+    }
+    change_all(result.whole, false);
+    return result;
+}
+
+recipe cloud_options::recipe_for_whole(const mesh& source) const {
+    const bool is_solid = look_at(source).kind == model_kind::solid;
+    recipe how = is_solid ? solid_recipe(preset_) : foliage_recipe(preset_);
+    change_all(how, false);
     return how;
+}
+
+void cloud_options::add_preset_options() {
+    group_ = "Presets";
+    verb_
+        .add_option(
+            "--preset", preset_,
+            "What the other options start from. auto: solid or tree, by materials and "
+            "connected components; classic: Decoret et al. 2003; thesis: Luksch 2009; tree: "
+            "Fuhrmann et al. 2005, trunk and foliage apart; solid: the thesis, no face beyond "
+            "epsilon")
+        ->check(CLI::IsMember({"auto", "classic", "thesis", "tree", "solid"}))
+        ->capture_default_str()
+        ->group(group_);
 }
 
 void cloud_options::add_plane_options() {
     group_ = "Planes";
-    add<std::string>("--epsilon", "10%",
+    add<std::string>("--epsilon", "10% for foliage, 5% for solids",
                      "Largest distance of a vertex to its plane: P% of the bounding sphere's "
                      "radius, or a number in scene units",
                      [](recipe& how, const std::string& text) {
                          how.options.epsilon = parse_tolerance("--epsilon", text);
                      });
+    add<std::size_t>("--planes", "0",
+                     "About so many planes: epsilon is searched for; 0: epsilon is as given",
+                     [](recipe& how, std::size_t planes) { how.options.planes = planes; })
+        ->check(CLI::Range(0, 100000));
     add<std::size_t>("--max-planes", "0",
                      "Most planes, 0: as many as epsilon asks for; faces that are left go to the "
                      "plane of least error, beyond epsilon",
                      [](recipe& how, std::size_t most) { how.options.search.max_planes = most; });
-    add<std::string>(
-        "--plane-space", "cube", "How normals are sampled",
-        [](recipe& how, const std::string& name) { how.is_spherical = name == "spherical"; })
+    add<std::string>("--plane-space", "cube", "How normals are sampled",
+                     [](recipe& how, const std::string& name) {
+                         const int raster = how.method.space.resolution();
+                         if (name == "spherical") {
+                             how.method.space = spherical(raster);
+                         } else {
+                             how.method.space = cube_map(raster);
+                         }
+                     })
         ->check(CLI::IsMember({"cube", "spherical"}));
     add<int>("--raster", "18",
              "Normals along a side of the cube, or a quarter of the equator; even",
-             [](recipe& how, int raster) { how.raster = raster; })
+             [](recipe& how, int raster) {
+                 if (how.method.space.is_spherical()) {
+                     how.method.space = spherical(raster);
+                 } else {
+                     how.method.space = cube_map(raster);
+                 }
+             })
         ->check(CLI::Range(2, 128))
         ->check([](const std::string& text) {
             return std::stoi(text) % 2 == 0 ? std::string() : "the raster must be even";
@@ -48,10 +179,6 @@ void cloud_options::add_plane_options() {
     add<double>("--rho-rate", "1.5", "Offset bins an epsilon", [](recipe& how, double rate) {
         how.options.search.rho_rate = rate;
     })->check(CLI::Range(0.1, 16.0));
-    add<double>("--penalty", "3",
-                "Weight of faces that a plane just misses on its inner side; 0: none",
-                [](recipe& how, double weight) { how.penalty = weight; })
-        ->check(CLI::Range(0.0, 1000.0));
     static const std::map<std::string, refinement> refinements{{"original", refinement::original},
                                                                {"fail-safe", refinement::fail_safe},
                                                                {"none", refinement::none}};
@@ -62,10 +189,159 @@ void cloud_options::add_plane_options() {
                          how.options.search.refine = refinements.at(name);
                      })
         ->check(CLI::IsMember({"original", "fail-safe", "none"}));
-    add<std::string>("--fit", "least-squares",
+    add<std::string>("--fit", "least-squares; trees: average",
                      "Move planes to their faces, where epsilon allows it",
-                     [](recipe& how, const std::string& name) { how.fit = name; })
+                     [](recipe& how, const std::string& name) {
+                         chosen_fit& fit = how.method.fitter;
+                         if (name == "none") fit = no_fit{};
+                         if (name == "average") fit = average_fit{};
+                         if (name == "svd") fit = svd_fit{};
+                         if (name == "least-squares") fit = least_squares_fit{};
+                         if (name == "minimax") fit = minimax_fit{};
+                     })
         ->check(CLI::IsMember({"none", "average", "svd", "least-squares", "minimax"}));
+    add<std::string>("--skip-area", "0%; thesis: 2%",
+                     "End when less than this share of the area is left; it goes to near planes or "
+                     "is dropped",
+                     [](recipe& how, const std::string& text) {
+                         how.options.search.skip_area = parse_share("--skip-area", text, 0.99);
+                     });
+    add<std::string>("--min-contribution", "0%",
+                     "End before a plane that would collect less than this share of the area",
+                     [](recipe& how, const std::string& text) {
+                         how.options.search.min_contribution =
+                             parse_share("--min-contribution", text, 0.99);
+                     });
+}
+
+void cloud_options::add_density_options() {
+    group_ = "Density";
+    add<std::string>(
+        "--contribution", "projected; foliage of trees: angular",
+        "What a face is worth on a plane: its projected area, or its area falling with "
+        "the angle",
+        [](recipe& how, const std::string& name) {
+            how.method.policies.contribution.is_angular = name == "angular";
+        })
+        ->check(contribution_names);
+    add<double>(
+        "--normal-threshold", "90", "Largest angle between a face and its plane, degrees; 90: any",
+        [](recipe& how, double degrees) { how.method.policies.contribution.limit_angle(degrees); })
+        ->check(CLI::Range(0.0, 90.0));
+    add<double>("--penalty", "3; classic: 10",
+                "Weight of faces that a plane just misses on its inner side; 0: none",
+                [](recipe& how, double weight) { how.method.policies.penalty.weight = weight; })
+        ->check(CLI::Range(0.0, 1000.0));
+    add_flag("--penalty-in-refinement", "Charge the penalty in sub-bins, too (classic does)",
+             [](recipe& how) { how.options.search.penalty_in_refinement = true; });
+    add<std::string>("--falloff", "off; thesis and solid: on",
+                     "Count faces less that lie off a plane; refine: in the refinement only",
+                     [](recipe& how, const std::string& name) {
+                         how.options.search.falloff = name == "on"    ? falloff_use::everywhere
+                                                      : name == "off" ? falloff_use::nowhere
+                                                                      : falloff_use::refinement;
+                     })
+        ->check(CLI::IsMember({"on", "off", "refine"}));
+    add<double>(
+        "--falloff-strength", "1", "1: half at epsilon, 0.25: four fifths",
+        [](recipe& how, double strength) { how.method.policies.falloff.strength = strength; })
+        ->check(CLI::Range(0.0, 100.0));
+    add<std::string>(
+        "--horizontal-penalty", "0%; foliage of trees: 60%",
+        "Share of their density that horizontal planes lose, for viewers on the ground",
+        [](recipe& how, const std::string& text) {
+            how.method.policies.bias.horizontal_share = parse_share("--horizontal-penalty", text);
+        });
+    add<std::string>("--fly-over", "0%",
+                     "Share of their density that vertical planes lose, for viewers above",
+                     [](recipe& how, const std::string& text) {
+                         how.method.policies.bias.vertical_share = parse_share("--fly-over", text);
+                     });
+    add<std::string>("--up", "y", "The axis that points up, for these two",
+                     [](recipe& how, const std::string& axis) {
+                         how.method.policies.bias.up =
+                             dvec3(axis == "x" ? 1 : 0, axis == "y" ? 1 : 0, axis == "z" ? 1 : 0);
+                     })
+        ->check(CLI::IsMember({"x", "y", "z"}));
+    add<double>(
+        "--distribution", "0",
+        "Share of their density that planes parallel to earlier ones lose; 0.3 spreads them",
+        [](recipe& how, double strength) { how.options.search.distribution.strength = strength; })
+        ->check(CLI::Range(0.0, 1.0));
+}
+
+void cloud_options::add_seam_options() {
+    group_ = "Between planes";
+    add_flag("--compact", "A plane takes one group of faces that lie together (classic does)",
+             [](recipe& how) { how.method.grouping.is_compact = true; });
+    add<std::string>("--weld", "none; solids: intersection, trunks: online",
+                     "Move vertices where planes meet: onto their first plane, onto the common "
+                     "intersection, or while planes are searched",
+                     choose_weld)
+        ->check(weld_names);
+    add<double>("--weld-angle", "15", "Least angle between planes that are welded, degrees",
+                [](recipe& how, double degrees) {
+                    how.options.weld.min_angle = degrees * std::numbers::pi / 180;
+                })
+        ->check(CLI::Range(1.0, 90.0));
+    add<std::string>("--cardboard", "0%; trunks: 80%",
+                     "Give thin parts a second plane across where it shows this share; 0%: none",
+                     [](recipe& how, const std::string& text) {
+                         how.options.cardboard.min_coverage = parse_share("--cardboard", text);
+                     });
+    add<std::string>("--cracks", "none",
+                     "envelope: draw faces that reach into another plane's slab there, too",
+                     [](recipe& how, const std::string& name) {
+                         how.options.bake.cracks =
+                             name == "envelope" ? crack_reduction::envelope : crack_reduction::none;
+                     })
+        ->check(CLI::IsMember({"none", "envelope"}));
+}
+
+void cloud_options::add_trunk_options() {
+    group_ = "Trunk and foliage";
+    verb_
+        .add_option(
+            "--split", split_,
+            "Search trunk and foliage apart; auto: where the preset is auto or tree and the "
+            "model has both, or another option of this group is given")
+        ->check(CLI::IsMember({"auto", "on", "off"}))
+        ->capture_default_str()
+        ->group(group_);
+    verb_
+        .add_option("--foliage-materials", foliage_materials_,
+                    "Names of the materials that are foliage, e.g. \"leaf*\"; without it alpha and "
+                    "the size of connected components tell")
+        ->group(group_);
+    verb_
+        .add_option(
+            "--trunk", trunk_,
+            "billboards; keep: the trunk stays a mesh; reduce:0.2: a mesh of a fifth of its "
+            "triangles")
+        ->capture_default_str()
+        ->group(group_);
+    add_for_trunk<std::string>("--trunk-epsilon", "as --epsilon", "--epsilon of the trunk",
+                               [](recipe& how, const std::string& text) {
+                                   how.options.epsilon = parse_tolerance("--trunk-epsilon", text);
+                               });
+    add_for_trunk<std::string>("--trunk-contribution", "projected", "--contribution of the trunk",
+                               [](recipe& how, const std::string& name) {
+                                   how.method.policies.contribution.is_angular = name == "angular";
+                               })
+        ->check(contribution_names);
+    add_for_trunk<std::string>("--trunk-weld", "online", "--weld of the trunk", choose_weld)
+        ->check(weld_names);
+    add_for_trunk<std::string>("--trunk-cardboard", "80%", "--cardboard of the trunk",
+                               [](recipe& how, const std::string& text) {
+                                   how.options.cardboard.min_coverage =
+                                       parse_share("--trunk-cardboard", text);
+                               });
+    add_for_trunk<std::string>("--trunk-alpha", "30%, opaque materials 50%",
+                               "--alpha-threshold of the trunk",
+                               [](recipe& how, const std::string& text) {
+                                   const double share = parse_share("--trunk-alpha", text);
+                                   how.options.bake.thresholds = {share, share};
+                               });
 }
 
 void cloud_options::add_texture_options() {
@@ -79,6 +355,12 @@ void cloud_options::add_texture_options() {
     add<int>("--supersample", "4", "Samples along a texel's side", [](recipe& how, int samples) {
         how.options.bake.supersample = samples;
     })->check(CLI::Range(1, max_supersample));
+    add<std::string>("--alpha-threshold", "30%, opaque materials 50%",
+                     "Covered share from which a texel is opaque",
+                     [](recipe& how, const std::string& text) {
+                         const double share = parse_share("--alpha-threshold", text);
+                         how.options.bake.thresholds = {share, share};
+                     });
     add<int>("--padding", "8", "Texels between tiles; 2^n keep n mip levels apart",
              [](recipe& how, int texels) { how.options.bake.padding = texels; })
         ->check(CLI::Range(0, 256));

@@ -13,24 +13,42 @@
 
 namespace cli {
 
-/// Options of a verb. What the user gives changes a recipe, in the order of the help.
+/// Options of a verb. A preset gives a recipe, and what the user gives changes it, in the order of
+/// the help.
 class cloud_options {
 public:
     explicit cloud_options(CLI::App& verb);
 
-    /// The recipe that the given options make. Throws CLI::ValidationError.
-    [[nodiscard]] recipe make_recipe() const;
+    /// Throws CLI::ValidationError where a value makes no sense. Needs no mesh.
+    void check() const;
+    /// The recipe for a mesh. Looks at it where the preset or --split is auto.
+    [[nodiscard]] model_recipe recipe_for(const billow::mesh& source) const;
+    /// The recipe for a model that is not split.
+    [[nodiscard]] recipe recipe_for_whole(const billow::mesh& source) const;
 
 private:
+    using change = std::function<void(recipe&)>;
+
     /// Adds an option; `apply(recipe&, value)` is called when it is given. `shown` is the default in
     /// the help.
     template <class T, class Apply>
     CLI::Option* add(const std::string& name, const std::string& shown, const std::string& help,
                      Apply apply) {
+        return add_change<T>(changes_, name, shown, help, apply);
+    }
+    /// The same for the trunk alone.
+    template <class T, class Apply>
+    CLI::Option* add_for_trunk(const std::string& name, const std::string& shown,
+                               const std::string& help, Apply apply) {
+        return trunk_options_.emplace_back(add_change<T>(trunk_changes_, name, shown, help, apply));
+    }
+    template <class T, class Apply>
+    CLI::Option* add_change(std::vector<change>& to, const std::string& name,
+                            const std::string& shown, const std::string& help, Apply apply) {
         auto value = std::make_shared<T>();
         CLI::Option* option = verb_.add_option(name, *value, help)->default_str(shown);
         option->group(group_);
-        changes_.emplace_back([option, value, apply](recipe& how) {
+        to.emplace_back([option, value, apply](recipe& how) {
             if (option->count() > 0) apply(how, *value);
         });
         return option;
@@ -44,12 +62,26 @@ private:
         });
     }
 
+    void add_preset_options();
     void add_plane_options();
+    void add_density_options();
+    void add_seam_options();
+    void add_trunk_options();
     void add_texture_options();
+
+    [[nodiscard]] bool wants_split(const billow::model_description& model) const;
+    [[nodiscard]] billow::model_description look_at(const billow::mesh& source) const;
+    void change_all(recipe& how, bool is_trunk) const;
 
     CLI::App& verb_;
     std::string group_{};
-    std::vector<std::function<void(recipe&)>> changes_{};
+    std::vector<change> changes_{};
+    std::vector<change> trunk_changes_{};
+    std::vector<CLI::Option*> trunk_options_{};
+    std::string preset_ = "auto";
+    std::string split_ = "auto";
+    std::vector<std::string> foliage_materials_{};
+    std::string trunk_ = "billboards";
 };
 
 }  // namespace cli

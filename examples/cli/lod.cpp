@@ -1,6 +1,7 @@
 // billow lod: a mesh file in, a chain of billboard clouds and a manifest of them out.
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -193,7 +194,7 @@ void print_summary(const lod_arguments& arguments, const loaded_mesh& loaded,
     std::printf("wrote %s in %.2f s\n", arguments.manifest().string().c_str(), seconds);
 }
 
-exit_code lod(const lod_arguments& arguments, const recipe& how) {
+exit_code lod(lod_arguments& arguments, const cloud_options& options) {
     stopwatch watch;
     for (std::size_t i = 0; i < arguments.chain.levels.size(); ++i) {
         const auto writable = check_writable(arguments.level_file(i));
@@ -207,6 +208,9 @@ exit_code lod(const lod_arguments& arguments, const recipe& how) {
     const expected<loaded_mesh> loaded = read_mesh(arguments.input);
     if (!loaded) return progress.clear(), fail(loaded.error());
 
+    recipe how = options.recipe_for_whole(loaded->mesh);
+    how.options.threads = {arguments.threads};
+    arguments.chain.build = how.options;
     const auto chain = make_chain(loaded->mesh, how, arguments.chain, std::ref(progress));
     if (!chain) {
         progress.clear();
@@ -230,10 +234,20 @@ exit_code lod(const lod_arguments& arguments, const recipe& how) {
     return success;
 }
 
+constexpr std::array decided_by_levels{"--epsilon", "--planes", "--max-planes"};
+constexpr std::array of_parts{"--split",      "--trunk",           "--trunk-epsilon",
+                              "--trunk-weld", "--trunk-cardboard", "--trunk-contribution",
+                              "--trunk-alpha"};
+
 void check(const CLI::App& verb, const lod_arguments& arguments) {
-    for (const char* option : {"--epsilon", "--max-planes"}) {
+    for (const char* option : decided_by_levels) {
         if (verb.count(option) > 0) {
             throw CLI::ValidationError(option, "follows from --levels");
+        }
+    }
+    for (const char* option : of_parts) {
+        if (verb.count(option) > 0) {
+            throw CLI::ValidationError(option, "is not for levels: they are not split");
         }
     }
     const std::vector<std::size_t>& levels = arguments.chain.levels;
@@ -301,9 +315,8 @@ void add_lod(CLI::App& tool, exit_code& result) {
           "Switch distances")
         ->check(CLI::Range(1.0, 170.0));
     const auto options = std::make_shared<cloud_options>(*verb);
-    for (const char* decided : {"--epsilon", "--max-planes"}) {
-        verb->get_option(decided)->group("");
-    }
+    for (const char* option : decided_by_levels) verb->get_option(option)->group("");
+    for (const char* option : of_parts) verb->get_option(option)->group("");
     group(verb->add_option("--threads", a.threads,
                            "Threads, 0: all; the files are the same for any number"),
           "Output")
@@ -313,16 +326,14 @@ void add_lod(CLI::App& tool, exit_code& result) {
     verb->callback([verb, arguments, options, &result] {
         lod_arguments& chosen = *arguments;
         check(*verb, chosen);
-        recipe how = options->make_recipe();
-        how.options.threads = {chosen.threads};
-        chosen.chain.build = how.options;
+        options->check();
         chosen.chain.made_of =
             chosen.mode == "incremental" ? lod_source::level_above : lod_source::mesh;
         chosen.chain.texel_share = parse_share("--texel-share", chosen.texel_share);
         if (!(chosen.chain.texel_share > 0)) {
             throw CLI::ValidationError("--texel-share", "must be above 0");
         }
-        result = lod(chosen, how);
+        result = lod(chosen, *options);
     });
 }
 

@@ -1,6 +1,11 @@
-// The pipelines that the tool knows. Apart from the other files, for they take long to compile.
+// The searches of the tool. Apart from the other files, for they take long to compile.
+
+#include <vector>
 
 #include "recipe.hpp"
+#ifdef BILLOW_HAS_REDUCE
+#include <billow/reduce.hpp>
+#endif
 
 namespace cli {
 
@@ -8,30 +13,38 @@ using namespace billow;
 
 namespace {
 
-/// Calls `use` with the pipeline that a recipe describes.
-template <class Use>
-auto with_pipeline(const recipe& how, const Use& use) {
-    const auto in_space = [&](const auto& space) {
-        const density_policies policies{hull_of_samples{}, projected_area{},
-                                        inner_side_penalty{how.penalty}};
-        return use(pipeline{space, policies, chosen_fit(how.fit)});
-    };
-    if (how.is_spherical) return in_space(spherical(how.raster));
-    return in_space(cube_map(how.raster));
+expected<done> treat_trunk(mesh& trunk, const model_recipe& how) {
+    if (how.use != trunk_use::reduce || trunk.face_count() == 0) return done{};
+#ifdef BILLOW_HAS_REDUCE
+    trunk = reduce_mesh(trunk, how.reduced_share).mesh;
+    return done{};
+#else
+    return error{error_code::unsupported,
+                 "--trunk reduce needs a tool that was built with meshoptimizer"};
+#endif
 }
 
 }  // namespace
 
-expected<build_result> make_cloud(const mesh& source, const recipe& how,
+expected<build_result> make_cloud(const mesh& source, const model_recipe& how,
                                   const progress_function& progress) {
-    return with_pipeline(
-        how, [&](const auto& parts) { return build_cloud(source, how.options, parts, progress); });
+    if (!how.trunk) return build_cloud(source, how.whole.options, how.whole.method, progress);
+    std::vector<part_plan<tool_pipeline>> plans{
+        {how.roles.faces_of(face_role::foliage), how.whole.options, how.whole.method}};
+    if (how.use == trunk_use::billboards) {
+        plans.push_back(
+            {how.roles.faces_of(face_role::solid), how.trunk->options, how.trunk->method});
+    }
+    expected<build_result> result = build_cloud(source, how.whole.options, plans, progress);
+    if (result) {
+        if (const auto treated = treat_trunk(result->kept, how); !treated) return treated.error();
+    }
+    return result;
 }
 
 expected<lod_chain> make_chain(const mesh& source, const recipe& how, const lod_options& options,
                                const progress_function& progress) {
-    return with_pipeline(
-        how, [&](const auto& parts) { return build_lod_chain(source, options, parts, progress); });
+    return build_lod_chain(source, options, how.method, progress);
 }
 
 }  // namespace cli

@@ -1,50 +1,65 @@
 // A recipe: how a cloud is made, as values that the options of a verb fill in.
 #pragma once
 
+#include <optional>
 #include <string>
-#include <variant>
 
 #include <billow/billow.hpp>
 #include <billow/lod/chain.hpp>
+#include <billow/presets.hpp>
+
+#include "chosen.hpp"
 
 namespace cli {
 
-/// The fitter that --fit names. Fitting is a small part of the work, so the choice is made when it is
-/// called.
-struct chosen_fit {
-    std::variant<billow::least_squares_fit, billow::no_fit, billow::average_fit, billow::svd_fit,
-                 billow::minimax_fit>
-        fitter{};
-    bool allows_less_contribution = false;
+using tool_policies =
+    billow::density_policies<chosen_validity, chosen_contribution, billow::inner_side_penalty,
+                             billow::distance_falloff, chosen_bias>;
+using tool_pipeline =
+    billow::pipeline<chosen_space, tool_policies, chosen_fit, chosen_grouping, chosen_motion>;
 
-    chosen_fit() : chosen_fit("least-squares") {}
-    explicit chosen_fit(const std::string& name) {
-        if (name == "none") fitter = billow::no_fit{};
-        if (name == "average") fitter = billow::average_fit{};
-        if (name == "svd") fitter = billow::svd_fit{};
-        if (name == "minimax") fitter = billow::minimax_fit{};
-        allows_less_contribution =
-            std::visit([](const auto& fit) { return fit.allows_less_contribution; }, fitter);
-    }
-    [[nodiscard]] billow::plane operator()(const billow::face_table& faces,
-                                           const billow::plane& start) const {
-        return std::visit([&](const auto& fit) { return fit(faces, start); }, fitter);
-    }
-};
-static_assert(billow::plane_fitter<chosen_fit>);
-
-/// How the planes of a model are found, or of a part of it. Every choice is a value here; what a
-/// user of the library chooses by type is branched on, at little cost, in the chosen_… parts.
+/// How the planes of a model are found, or of a part of it.
 struct recipe {
-    bool is_spherical = false;
-    int raster = 18;
-    double penalty = 3;
-    std::string fit = "least-squares";
     billow::build_options options{};
+    tool_pipeline method{};
+};
+
+/// What a preset of the library fixes.
+template <class Pipeline>
+[[nodiscard]] recipe recipe_of(const billow::preset<Pipeline>& from) {
+    const auto& policies = from.method.policies;
+    using falloff = std::remove_cvref_t<decltype(policies.falloff)>;
+    recipe how{from.options,
+               {from.method.space,
+                {policies.validity, policies.contribution, policies.penalty, {}, policies.bias},
+                from.method.fitter,
+                from.method.grouping,
+                from.method.motion}};
+    if constexpr (falloff::falls) {
+        how.method.policies.falloff = policies.falloff;
+    } else {
+        how.options.search.falloff = billow::falloff_use::nowhere;
+    }
+    return how;
+}
+
+/// What becomes of a trunk that is split off.
+enum class trunk_use { billboards, keep, reduce };
+
+/// How a given model becomes a cloud.
+struct model_recipe {
+    recipe whole{};  ///< or the foliage, where there is a trunk
+    std::optional<recipe> trunk{};
+    billow::face_roles roles{};  ///< of a model with a trunk
+    trunk_use use = trunk_use::billboards;
+    double reduced_share = 1;  ///< of the trunk's triangles, trunk_use::reduce
+    std::string preset{};
+    std::string note{};  ///< one line on what was chosen, and why
 };
 
 /// Makes the cloud of a recipe.
-billow::expected<billow::build_result> make_cloud(const billow::mesh& source, const recipe& how,
+billow::expected<billow::build_result> make_cloud(const billow::mesh& source,
+                                                  const model_recipe& how,
                                                   const billow::progress_function& progress);
 
 /// Makes a chain of levels with a recipe, of which options.build holds the options.

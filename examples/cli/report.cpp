@@ -2,7 +2,9 @@
 
 #include "report.hpp"
 
+#include <cmath>
 #include <cstdio>
+#include <numbers>
 
 #include <nlohmann/json.hpp>
 
@@ -33,23 +35,120 @@ std::string text_of(const tolerance& length) {
     return text;
 }
 
+const char* name_of(falloff_use use) {
+    switch (use) {
+        case falloff_use::everywhere:
+            return "on";
+        case falloff_use::refinement:
+            return "refine";
+        case falloff_use::nowhere:
+            return "off";
+    }
+    return "";
+}
+
+const char* name_of(weld_kind kind) {
+    switch (kind) {
+        case weld_kind::none:
+            return "none";
+        case weld_kind::first:
+            return "first";
+        case weld_kind::intersection:
+            return "intersection";
+    }
+    return "";
+}
+
 json options_json(const recipe& how) {
     const build_options& options = how.options;
+    const tool_policies& density = how.method.policies;
+    constexpr double degrees = 180 / std::numbers::pi;
     json chosen;
     chosen["epsilon"] = text_of(options.epsilon);
+    chosen["planes"] = options.planes;
     chosen["max_planes"] = options.search.max_planes;
-    chosen["plane_space"] = how.is_spherical ? "spherical" : "cube";
-    chosen["raster"] = how.raster;
+    chosen["plane_space"] = how.method.space.is_spherical() ? "spherical" : "cube";
+    chosen["raster"] = how.method.space.resolution();
     chosen["rho_rate"] = options.search.rho_rate;
-    chosen["penalty"] = how.penalty;
+    chosen["contribution"] = density.contribution.is_angular ? "angular" : "projected";
+    chosen["normal_threshold"] =
+        degrees * std::acos(static_cast<double>(density.contribution.least_cosine));
+    chosen["penalty"] = density.penalty.weight;
+    chosen["penalty_in_refinement"] = options.search.penalty_in_refinement;
+    chosen["falloff"] = name_of(options.search.falloff);
+    chosen["falloff_strength"] = density.falloff.strength;
+    chosen["horizontal_penalty"] = density.bias.horizontal_share;
+    chosen["fly_over"] = density.bias.vertical_share;
+    chosen["distribution"] = options.search.distribution.strength;
     chosen["refine"] = name_of(options.search.refine);
-    chosen["fit"] = how.fit;
-    chosen["texels"] = options.bake.texels;
-    chosen["max_atlas"] = options.bake.max_atlas;
-    chosen["supersample"] = options.bake.supersample;
-    chosen["padding"] = options.bake.padding;
-    chosen["power_of_two"] = options.bake.power_of_two;
+    chosen["fit"] = how.method.fitter.name();
+    chosen["skip_area"] = options.search.skip_area;
+    chosen["min_contribution"] = options.search.min_contribution;
+    chosen["compact"] = how.method.grouping.is_compact;
+    chosen["weld"] = how.method.motion.is_welding ? "online" : name_of(options.weld.kind);
+    chosen["weld_angle"] = degrees * options.weld.min_angle;
+    chosen["cardboard"] = options.cardboard.min_coverage;
     return chosen;
+}
+
+json textures_json(const bake_options& options) {
+    json chosen;
+    chosen["texels"] = options.texels;
+    chosen["max_atlas"] = options.max_atlas;
+    chosen["supersample"] = options.supersample;
+    chosen["padding"] = options.padding;
+    chosen["power_of_two"] = options.power_of_two;
+    chosen["cracks"] = options.cracks == crack_reduction::envelope ? "envelope" : "none";
+    return chosen;
+}
+
+json search_json(const greedy_statistics& search) {
+    json told;
+    told["mean_refinement_level"] = search.mean_refinement_level();
+    told["refined_planes"] = search.refined_planes;
+    told["fail_safes"] = search.fail_safes;
+    told["tweaks"] = search.tweaks;
+    told["leftover_faces"] = search.leftover_faces;
+    told["leftover_area_share"] = search.leftover_area_share;
+    told["dropped_faces"] = search.dropped_faces;
+    told["dropped_area_share"] = search.dropped_area_share;
+    told["beyond_epsilon_area_share"] = search.beyond_epsilon_area_share;
+    return told;
+}
+
+json welding_json(const build_result& result) {
+    json told;
+    told["torn_vertices"] = result.weld.torn_vertices;
+    told["moved_vertices"] = result.weld.moved_vertices;
+    told["welded_vertices"] = result.weld.welded_vertices;
+    told["largest_displacement"] = result.weld.largest_displacement;
+    const auto tell_cracks = [&](const char* when, const cloud_cracks& cracks) {
+        json& state = told[when];
+        state["edge_length"] = cracks.edge_length;
+        state["torn_length"] = cracks.torn_length;
+        state["area"] = cracks.area;
+    };
+    tell_cracks("cracks_before", result.cracks);
+    tell_cracks("cracks_after", result.cracks_drawn);
+    return told;
+}
+
+json parts_json(const finished_build& of) {
+    json parts = json::array();
+    for (std::size_t i = 0; i < of.result.parts.size(); ++i) {
+        const part_result& part = of.result.parts[i];
+        const bool is_trunk = of.how.trunk && i == 1;
+        json told;
+        told["name"] = is_trunk ? "trunk" : of.how.trunk ? "foliage" : "whole";
+        told["planes"] = part.plane_count;
+        told["cardboard_planes"] = part.cardboard_planes;
+        told["epsilon"] = part.epsilon;
+        told["mapped_faces"] = part.faces.mapped;
+        told["search"] = search_json(part.statistics);
+        told["options"] = options_json(is_trunk ? *of.how.trunk : of.how.whole);
+        parts.push_back(std::move(told));
+    }
+    return parts;
 }
 
 }  // namespace
@@ -58,7 +157,6 @@ json options_json(const recipe& how) {
 std::string report_json(const finished_build& of) {
     const build_result& result = of.result;
     const cloud_errors& errors = result.errors;
-    const greedy_statistics& search = result.statistics;
     const double epsilon = result.cloud.epsilon;
     const std::size_t faces = of.loaded.mesh.face_count();
 
@@ -66,22 +164,25 @@ std::string report_json(const finished_build& of) {
     report["generator"] = "billow " BILLOW_VERSION;
     report["faces"] = faces;
     report["planes"] = result.cloud.plane_count();
-    report["triangles"] = 2 * result.cloud.plane_count();
+    report["triangles"] = 2 * result.cloud.plane_count() + result.kept.face_count();
     report["epsilon"] = epsilon;
     report["radius"] = result.cloud.bounds.radius;
     report["max_error"] = errors.max_error;
     report["mean_error"] = errors.mean_error;
     report["max_error_over_epsilon"] = epsilon > 0 ? errors.max_error / epsilon : 0.0;
     report["projected_area_share"] = errors.projected_area_share;
-    report["mapped_faces"] = errors.mapped_faces;
-    report["skipped_faces"] = faces - errors.mapped_faces - search.degenerate_faces;
-    report["degenerate_faces"] = search.degenerate_faces;
-    report["leftover_faces"] = search.leftover_faces;
+    report["rectangle_use"] = errors.rectangle_use;
+    report["mapped_faces"] = result.faces.mapped;
+    report["kept_faces"] = result.faces.kept;
+    report["kept_triangles"] = result.kept.face_count();
+    report["skipped_faces"] = result.faces.dropped;
+    report["degenerate_faces"] = result.faces.degenerate;
     report["faces_beyond_epsilon"] = errors.faces_beyond_epsilon;
-    json& refined = report["refinement"];
-    refined["levels"] = search.refinement_levels;
-    refined["fail_safes"] = search.fail_safes;
-    refined["tweaks"] = search.tweaks;
+    report["preset"] = of.how.preset;
+    report["model"] = of.how.note;
+    report["search"] = search_json(result.statistics);
+    report["welding"] = welding_json(result);
+    report["parts"] = parts_json(of);
 
     const auto& atlases = result.baked.atlases;
     json& atlas = report["atlas"];
@@ -97,9 +198,9 @@ std::string report_json(const finished_build& of) {
     seconds["bake"] = result.bake_seconds;
     seconds["write"] = of.seconds.write;
     seconds["total"] = of.seconds.total;
-    report["threads"] = of.how.options.threads.count();
+    report["threads"] = of.how.whole.options.threads.count();
     report["notes"] = of.loaded.notes;
-    report["options"] = options_json(of.how);
+    report["textures"] = textures_json(of.how.whole.options.bake);
     return report.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
@@ -107,9 +208,14 @@ void print_summary(const finished_build& of) {
     const build_result& result = of.result;
     const double epsilon = result.cloud.epsilon;
     for (const std::string& note : of.loaded.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%s: %zu faces -> %zu planes, %zu triangles\n", of.input.string().c_str(),
+    if (!of.how.note.empty()) {
+        std::printf("%s: %s\n", of.how.preset.c_str(), of.how.note.c_str());
+    }
+    const std::size_t kept = result.kept.face_count();
+    std::printf("%s: %zu faces -> %zu planes, %zu triangles%s\n", of.input.string().c_str(),
                 of.loaded.mesh.face_count(), result.cloud.plane_count(),
-                2 * result.cloud.plane_count());
+                2 * result.cloud.plane_count() + kept,
+                kept > 0 ? (" with " + std::to_string(kept) + " of the trunk").c_str() : "");
     std::printf("error: largest %.4g (%.3f epsilon), mean %.4g; epsilon %.4g, radius %.4g\n",
                 result.errors.max_error, epsilon > 0 ? result.errors.max_error / epsilon : 0.0,
                 result.errors.mean_error, epsilon, result.cloud.bounds.radius);
@@ -117,11 +223,16 @@ void print_summary(const finished_build& of) {
         std::printf("atlas: %d x %d texels of %.4g, %.0f %% filled\n", a.width(), a.height(),
                     result.baked.texel_size, 100 * result.baked.fill);
     }
+    const greedy_statistics& search = result.statistics;
     if (result.errors.faces_beyond_epsilon > 0) {
-        std::printf("note: --max-planes leaves %zu faces beyond epsilon\n",
-                    result.errors.faces_beyond_epsilon);
+        std::printf("note: %zu faces, %.3g %% of the area, are beyond epsilon\n",
+                    result.errors.faces_beyond_epsilon, 100 * search.beyond_epsilon_area_share);
     }
-    const double wished = 2 * result.cloud.bounds.radius / of.how.options.bake.texels;
+    if (search.dropped_faces > 0) {
+        std::printf("note: %zu faces, %.3g %% of the area, are far from all planes and dropped\n",
+                    search.dropped_faces, 100 * search.dropped_area_share);
+    }
+    const double wished = 2 * result.cloud.bounds.radius / of.how.whole.options.bake.texels;
     if (result.baked.texel_size > 1.001 * wished) {
         std::printf("note: texels are %.2f times larger than asked for, to fit --max-atlas\n",
                     result.baked.texel_size / wished);

@@ -21,7 +21,7 @@ struct tool_times {
 struct finished_build {
     const std::filesystem::path& input;
     const std::filesystem::path& output;
-    const recipe& how;
+    const model_recipe& how;
     const billow::loaded_mesh& loaded;
     const billow::build_result& result;
     tool_times seconds{};

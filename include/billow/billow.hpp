@@ -2,6 +2,7 @@
 #pragma once
 
 #include <billow/core/config.hpp>
+#include <billow/core/disjoint_sets.hpp>
 #include <billow/core/expected.hpp>
 #include <billow/core/jobs.hpp>
 #include <billow/core/parallel.hpp>
@@ -13,19 +14,28 @@
 
 #include <billow/geometry/bounds.hpp>
 #include <billow/geometry/frame.hpp>
+#include <billow/geometry/outline.hpp>
 #include <billow/geometry/plane.hpp>
+#include <billow/geometry/plane_intersection.hpp>
+#include <billow/geometry/ray_tree.hpp>
 #include <billow/geometry/rectangle.hpp>
 
+#include <billow/image/distance_field.hpp>
 #include <billow/image/image.hpp>
 #include <billow/image/mip_chain.hpp>
 #include <billow/image/nearest.hpp>
 #include <billow/image/raster.hpp>
 #include <billow/image/srgb.hpp>
 
+#include <billow/mesh/append_mesh.hpp>
+#include <billow/mesh/components.hpp>
 #include <billow/mesh/face_table.hpp>
 #include <billow/mesh/material.hpp>
 #include <billow/mesh/mesh.hpp>
+#include <billow/mesh/roles.hpp>
+#include <billow/mesh/select_faces.hpp>
 #include <billow/mesh/validate.hpp>
+#include <billow/mesh/vertex_identity.hpp>
 
 #include <billow/plane_space/cube_map.hpp>
 #include <billow/plane_space/plane_space.hpp>
@@ -51,6 +61,8 @@
 #include <billow/shapes/teapot.hpp>
 
 #include <billow/policy/contribution.hpp>
+#include <billow/policy/falloff.hpp>
+#include <billow/policy/orientation_bias.hpp>
 #include <billow/policy/penalty.hpp>
 #include <billow/policy/validity.hpp>
 
@@ -58,22 +70,40 @@
 #include <billow/density/rasterize.hpp>
 
 #include <billow/cloud/billboard_cloud.hpp>
+#include <billow/cloud/cracks.hpp>
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/cloud/measure.hpp>
+#include <billow/cloud/merge.hpp>
 
+#include <billow/search/compact.hpp>
 #include <billow/search/face_sets.hpp>
+#include <billow/search/fail_safe.hpp>
 #include <billow/search/greedy.hpp>
 #include <billow/search/grouping.hpp>
+#include <billow/search/leftovers.hpp>
 #include <billow/search/motion.hpp>
 #include <billow/search/parts.hpp>
+#include <billow/search/plane_budget.hpp>
+#include <billow/search/plane_distribution.hpp>
 #include <billow/search/refine.hpp>
+#include <billow/search/weld_online.hpp>
+#include <billow/search/weld_planes.hpp>
+
+#include <billow/improve/cardboard.hpp>
+#include <billow/improve/drawn_mesh.hpp>
+#include <billow/improve/envelope.hpp>
+#include <billow/improve/weld.hpp>
 
 #include <billow/bake/bake_cloud.hpp>
 #include <billow/bake/baked_cloud.hpp>
 #include <billow/bake/border.hpp>
 #include <billow/bake/cloud_mesh.hpp>
 #include <billow/bake/draw_set.hpp>
+#include <billow/bake/horizon.hpp>
+#include <billow/bake/occlusion.hpp>
 #include <billow/bake/pack.hpp>
+#include <billow/bake/sky_sites.hpp>
+#include <billow/bake/sky_table.hpp>
 #include <billow/bake/surface.hpp>
 #include <billow/bake/texel.hpp>
 #include <billow/bake/texture_sampler.hpp>
@@ -82,3 +112,12 @@
 #include <billow/metrics/picture.hpp>
 
 #include <billow/pipeline.hpp>
+#include <billow/pipeline/build_result.hpp>
+#include <billow/pipeline/cloud_builder.hpp>
+
+#include <billow/lod/chain.hpp>
+#include <billow/lod/displacement.hpp>
+#include <billow/lod/switch_distance.hpp>
+#include <billow/lod/whole_billboards.hpp>
+
+#include <billow/presets.hpp>

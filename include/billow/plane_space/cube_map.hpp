@@ -51,6 +51,7 @@ public:
         lattice_ = std::move(tables);
     }
 
+    [[nodiscard]] int resolution() const noexcept { return resolution_; }
     [[nodiscard]] std::size_t orientation_count() const noexcept { return lattice_->points.size(); }
 
     [[nodiscard]] dvec3 direction(orientation_id id) const noexcept {

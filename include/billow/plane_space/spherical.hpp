@@ -27,6 +27,7 @@ public:
         BILLOW_ASSERT(resolution >= 1);
     }
 
+    [[nodiscard]] int resolution() const noexcept { return resolution_; }
     [[nodiscard]] std::size_t orientation_count() const noexcept {
         return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
     }
