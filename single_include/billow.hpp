@@ -53,6 +53,96 @@
 #include <cassert>
 #define BILLOW_ASSERT(condition) assert(condition)
 #endif
+// ---- billow/core/disjoint_sets.hpp
+// Which of many things are one, learnt pair by pair.
+//
+// R. E. Tarjan: Efficiency of a good but not linear set union algorithm. Journal of the ACM 22, 1975.
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+// ---- billow/core/types.hpp
+// The words that every layer shares: vectors and ids.
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+
+namespace billow::inline BILLOW_ABI {
+
+using vec2 = glm::vec2;
+using vec3 = glm::vec3;
+using vec4 = glm::vec4;
+using dvec2 = glm::dvec2;
+using dvec3 = glm::dvec3;
+using uvec3 = glm::uvec3;
+using ivec2 = glm::ivec2;
+using mat3 = glm::mat3;
+
+using face_id = std::uint32_t;         ///< row of mesh::triangles
+using plane_id = std::uint32_t;        ///< row of billboard_cloud::planes, in the order of discovery
+using orientation_id = std::uint32_t;  ///< one normal of a plane space
+using material_id = std::uint32_t;     ///< row of mesh::materials
+using image_id = std::uint32_t;        ///< row of mesh::images
+using atlas_id = std::uint32_t;        ///< row of baked_cloud::atlases
+using part_id = std::uint32_t;         ///< row of billboard_cloud::parts
+
+/// Says "none" for every kind of id.
+inline constexpr std::uint32_t no_id = std::numeric_limits<std::uint32_t>::max();
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// Sets of the numbers below `size`, each its own at first.
+///
+/// Cost   nearly O(1) a call. Differs from the source: the least member leads its set, so that the
+///        result does not depend on the order of the calls.
+class disjoint_sets {
+public:
+    explicit disjoint_sets(std::size_t size) : parent_(size) {
+        std::iota(parent_.begin(), parent_.end(), 0u);
+    }
+
+    /// The least member of the set that holds `member`.
+    [[nodiscard]] std::uint32_t leader(std::uint32_t member) noexcept {
+        while (parent_[member] != member) {
+            member = parent_[member] = parent_[parent_[member]];
+        }
+        return member;
+    }
+    /// Makes the sets of `a` and `b` one.
+    void join(std::uint32_t a, std::uint32_t b) noexcept {
+        const auto [least, other] = std::minmax({leader(a), leader(b)});
+        parent_[other] = least;
+    }
+    /// Numbers the sets from 0 on, in the order of their least members: one number a member.
+    [[nodiscard]] std::vector<std::uint32_t> numbers(std::size_t& set_count) {
+        std::vector<std::uint32_t> number(parent_.size());
+        std::uint32_t count = 0;
+        for (std::uint32_t i = 0; i < number.size(); ++i) {
+            const std::uint32_t least = leader(i);
+            number[i] = least == i ? count++ : number[least];
+        }
+        set_count = count;
+        return number;
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/core/expected.hpp
 // A value or the reason why there is none: for what the outside world can get wrong.
 
@@ -269,12 +359,15 @@ private:
 // V = simd::wide it works on simd::lane_count faces at once. Functions are called qualified
 // (simd::abs), since a bare abs would find the integer one.
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 
-#if BILLOW_LANES == 4 && defined(__SSE__)
+#if BILLOW_LANES > 4
+#include <immintrin.h>
+#elif BILLOW_LANES == 4 && defined(__SSE__)
 #include <xmmintrin.h>
 #endif
 
@@ -292,6 +385,7 @@ inline constexpr std::size_t max_lane_count = 16;
 [[nodiscard]] inline float min(float a, float b) noexcept { return a < b ? a : b; }
 [[nodiscard]] inline float max(float a, float b) noexcept { return a > b ? a : b; }
 [[nodiscard]] inline float abs(float a) noexcept { return a < 0 ? -a : a; }
+[[nodiscard]] inline float sqrt(float a) noexcept { return std::sqrt(a); }
 [[nodiscard]] inline float select(bool mask, float yes, float no) noexcept {
     return mask ? yes : no;
 }
@@ -305,6 +399,7 @@ template <class V>
 struct lanes {
     static constexpr std::size_t count = 1;
     static V load(const float* from) noexcept { return *from; }
+    static std::int32_t load(const std::int32_t* from) noexcept { return *from; }
     static void store(float* to, V value) noexcept { *to = value; }
     static void store(std::int32_t* to, std::int32_t value) noexcept { *to = value; }
     static V fill(float value) noexcept { return value; }
@@ -327,6 +422,19 @@ typedef std::int32_t wide_int __attribute__((vector_size(4 * BILLOW_LANES)));
 [[nodiscard]] inline wide abs(wide a) noexcept {
     return reinterpret_cast<wide>(reinterpret_cast<wide_int>(a) & 0x7fffffff);
 }
+// Compilers know no operator for it. IEEE 754 rounds it alike everywhere.
+[[nodiscard]] inline wide sqrt(wide a) noexcept {
+#if BILLOW_LANES == 16
+    return _mm512_sqrt_ps(a);
+#elif BILLOW_LANES == 8
+    return _mm256_sqrt_ps(a);
+#elif defined(__SSE__)
+    return _mm_sqrt_ps(a);
+#else
+    for (std::size_t i = 0; i < lane_count; ++i) a[i] = std::sqrt(a[i]);
+    return a;
+#endif
+}
 [[nodiscard]] inline wide select(wide_int mask, wide yes, wide no) noexcept {
     return mask ? yes : no;
 }
@@ -340,6 +448,11 @@ struct lanes<wide> {
     static constexpr std::size_t count = lane_count;
     static wide load(const float* from) noexcept {
         wide value;
+        std::memcpy(&value, from, sizeof value);
+        return value;
+    }
+    static wide_int load(const std::int32_t* from) noexcept {
+        wide_int value;
         std::memcpy(&value, from, sizeof value);
         return value;
     }
@@ -357,44 +470,6 @@ using wide = float;
 #endif
 
 }  // namespace billow::inline BILLOW_ABI::simd
-// ---- billow/core/types.hpp
-// The words that every layer shares: vectors and ids.
-
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-#include <glm/vec4.hpp>
-
-
-namespace billow::inline BILLOW_ABI {
-
-using vec2 = glm::vec2;
-using vec3 = glm::vec3;
-using vec4 = glm::vec4;
-using dvec2 = glm::dvec2;
-using dvec3 = glm::dvec3;
-using uvec3 = glm::uvec3;
-using ivec2 = glm::ivec2;
-using mat3 = glm::mat3;
-
-using face_id = std::uint32_t;         ///< row of mesh::triangles
-using plane_id = std::uint32_t;        ///< row of billboard_cloud::planes, in the order of discovery
-using orientation_id = std::uint32_t;  ///< one normal of a plane space
-using material_id = std::uint32_t;     ///< row of mesh::materials
-using image_id = std::uint32_t;        ///< row of mesh::images
-using atlas_id = std::uint32_t;        ///< row of baked_cloud::atlases
-using part_id = std::uint32_t;         ///< row of billboard_cloud::parts
-
-/// Says "none" for every kind of id.
-inline constexpr std::uint32_t no_id = std::numeric_limits<std::uint32_t>::max();
-
-}  // namespace billow::inline BILLOW_ABI
 
 // ---- billow/geometry/bounds.hpp
 // The bounding sphere that every tolerance refers to.
@@ -475,35 +550,20 @@ struct frame {
 }
 
 }  // namespace billow::inline BILLOW_ABI
-// ---- billow/geometry/plane.hpp
-// Planes in Hesse normal form.
+// ---- billow/geometry/outline.hpp
+// Convex polygons of few corners around a shape, within a rectangle.
+//
+// Persson, "Particle trimming", 2009, has the use: a billboard that is cut along its outline wastes
+// fewer transparent fragments. He searches all corner sets; here corners are cut off one by one, and
+// each cut is chosen again while that helps.
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
 
-namespace billow::inline BILLOW_ABI {
-
-/// The points x with normal·x = rho. `normal` has length 1.
-///
-/// (n, rho) and (-n, -rho) are the same plane; the canonical one has rho ≥ 0, so that its normal
-/// points away from the origin. Differs from Luksch 2009, eq 3.1, whose sign of rho would turn the
-/// penalty to the outer side.
-struct plane {
-    dvec3 normal{0, 0, 1};
-    double rho = 0;  ///< signed distance of the plane to the origin, along the normal
-
-    friend bool operator==(const plane&, const plane&) = default;
-};
-
-/// Distance of `point` to `p`, positive on the side the normal points to.
-[[nodiscard]] inline double signed_distance(const plane& p, const dvec3& point) noexcept {
-    return glm::dot(p.normal, point) - p.rho;
-}
-
-/// The same plane with rho ≥ 0.
-[[nodiscard]] inline plane canonical(const plane& p) noexcept {
-    return p.rho < 0 ? plane{-p.normal, -p.rho} : p;
-}
-
-}  // namespace billow::inline BILLOW_ABI
 // ---- billow/geometry/rectangle.hpp
 // Convex hulls and rectangles of least area in the plane.
 //
@@ -623,6 +683,702 @@ inline std::size_t convex_hull(std::span<dvec2> points, std::span<dvec2> hull) {
 
 }  // namespace billow::inline BILLOW_ABI
 
+namespace billow::inline BILLOW_ABI {
+
+/// Twice the area of a polygon, positive when its corners are counter-clockwise.
+[[nodiscard]] inline double doubled_area(std::span<const dvec2> polygon) noexcept {
+    double sum = 0;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const dvec2& a = polygon[i];
+        const dvec2& b = polygon[i + 1 == polygon.size() ? 0 : i + 1];
+        sum += a.x * b.y - a.y * b.x;
+    }
+    return sum;
+}
+
+namespace detail {
+
+/// All points p with normal·p ≤ limit.
+struct half_plane {
+    dvec2 normal{0};
+    double limit = 0;
+};
+
+using polygon = std::vector<dvec2>;
+
+/// The part of a convex polygon within a half plane, corners closer than `slack` merged.
+inline void cut_polygon(const polygon& from, const half_plane& keep, double slack, polygon& to) {
+    to.clear();
+    const auto add = [&](const dvec2& p) {
+        if (to.empty() || glm::distance(to.back(), p) > slack) to.push_back(p);
+    };
+    for (std::size_t i = 0; i < from.size(); ++i) {
+        const dvec2& a = from[i];
+        const dvec2& b = from[i + 1 == from.size() ? 0 : i + 1];
+        const double above_a = glm::dot(keep.normal, a) - keep.limit;
+        const double above_b = glm::dot(keep.normal, b) - keep.limit;
+        if (above_a <= 0) add(a);
+        if ((above_a < 0 && above_b > 0) || (above_a > 0 && above_b < 0)) {
+            add(a + (b - a) * (above_a / (above_a - above_b)));
+        }
+    }
+    while (to.size() > 1 && glm::distance(to.front(), to.back()) <= slack) to.pop_back();
+}
+
+/// The lines that touch the hull: along its sides, and at evenly spread directions.
+[[nodiscard]] inline std::vector<half_plane> touching_lines(std::span<const dvec2> hull) {
+    constexpr int direction_count = 64;
+    std::vector<half_plane> lines;
+    const auto touch = [&](const dvec2& normal) {
+        double limit = -std::numeric_limits<double>::infinity();
+        for (const dvec2& p : hull) limit = std::max(limit, glm::dot(normal, p));
+        lines.push_back({normal, limit});
+    };
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+        const dvec2 side = hull[i + 1 == hull.size() ? 0 : i + 1] - hull[i];
+        if (const double length = glm::length(side); length > 0) {
+            touch(dvec2(side.y, -side.x) / length);
+        }
+    }
+    for (int i = 0; i < direction_count; ++i) {
+        const double angle = 2 * std::numbers::pi * i / direction_count;
+        touch({std::cos(angle), std::sin(angle)});
+    }
+    return lines;
+}
+
+}  // namespace detail
+
+/// A convex polygon of at most `most_corners` corners that holds `hull` and lies within the rectangle
+/// from `low` to `high`: the rectangle, cut along lines that touch the hull, each cut the one that
+/// takes most area away.
+///
+/// Needs  hull: a convex polygon within the rectangle, corners counter-clockwise; most_corners ≥ 4.
+/// Gives  corners counter-clockwise, never more area than the rectangle. The rectangle itself, where
+///        the hull has no corner.
+/// Cost   O(most_corners² · (n + 64)) clips of a small polygon.
+/// Source Persson 2009, see above: greedy instead of exhaustive; the corners stay in the rectangle,
+///        where a texture atlas holds other tiles beyond it.
+[[nodiscard]] inline std::vector<dvec2> outline_polygon(std::span<const dvec2> hull,
+                                                        const dvec2& low, const dvec2& high,
+                                                        int most_corners) {
+    BILLOW_ASSERT(most_corners >= 4);
+    const detail::polygon rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
+    if (hull.empty()) return rectangle;
+    const double slack = 1e-9 * glm::distance(low, high);
+    const std::vector<detail::half_plane> lines = detail::touching_lines(hull);
+    const auto most = static_cast<std::size_t>(most_corners);
+
+    detail::polygon cut;
+    /// The line that leaves the least of `from`, within `room` corners.
+    const auto best_cut = [&](const detail::polygon& from) {
+        std::size_t best = lines.size();
+        double least = doubled_area(from) * (1 - 1e-9);
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+            detail::cut_polygon(from, lines[i], slack, cut);
+            if (cut.size() < 3 || cut.size() > most) continue;
+            if (const double area = doubled_area(cut); area < least) least = area, best = i;
+        }
+        return best;
+    };
+    const auto polygon_of = [&](const std::vector<std::size_t>& cuts) {
+        detail::polygon result = rectangle;
+        for (const std::size_t i : cuts) {
+            detail::cut_polygon(result, lines[i], slack, cut);
+            std::swap(result, cut);
+        }
+        return result;
+    };
+
+    std::vector<std::size_t> cuts;
+    detail::polygon result = rectangle;
+    const auto extend = [&] {
+        for (std::size_t i; cuts.size() < 2 * most && (i = best_cut(result)) < lines.size();) {
+            cuts.push_back(i);
+            result = polygon_of(cuts);
+        }
+    };
+    extend();
+    for (int round = 0; round < 4; ++round) {
+        const double before = doubled_area(result);
+        for (std::size_t drop = 0; drop < cuts.size(); ++drop) {
+            const std::vector<std::size_t> kept_cuts = cuts;
+            const detail::polygon kept = result;
+            cuts.erase(cuts.begin() + static_cast<std::ptrdiff_t>(drop));
+            result = polygon_of(cuts);
+            if (result.size() <= most) extend();
+            if (result.size() > most || doubled_area(result) >= doubled_area(kept)) {
+                cuts = kept_cuts;
+                result = kept;
+            }
+        }
+        if (doubled_area(result) > before * (1 - 1e-6)) break;
+    }
+    return result;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/geometry/plane.hpp
+// Planes in Hesse normal form.
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The points x with normal·x = rho. `normal` has length 1.
+///
+/// (n, rho) and (-n, -rho) are the same plane; the canonical one has rho ≥ 0, so that its normal
+/// points away from the origin. Differs from Luksch 2009, eq 3.1, whose sign of rho would turn the
+/// penalty to the outer side.
+struct plane {
+    dvec3 normal{0, 0, 1};
+    double rho = 0;  ///< signed distance of the plane to the origin, along the normal
+
+    friend bool operator==(const plane&, const plane&) = default;
+};
+
+/// Distance of `point` to `p`, positive on the side the normal points to.
+[[nodiscard]] inline double signed_distance(const plane& p, const dvec3& point) noexcept {
+    return glm::dot(p.normal, point) - p.rho;
+}
+
+/// The same plane with rho ≥ 0.
+[[nodiscard]] inline plane canonical(const plane& p) noexcept {
+    return p.rho < 0 ? plane{-p.normal, -p.rho} : p;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/geometry/plane_intersection.hpp
+// The point that several planes have in common, nearest to a given one.
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <span>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The point nearest to `point` that lies on all of `planes`; nothing where their normals are
+/// dependent, within a sine of 1e-3.
+///
+/// Needs   at most three planes with unit normals.
+/// Source  Luksch 2009, section 3.3, asks for this point. Each step goes to the next plane along the
+///         part of its normal that is orthogonal to the normals before, so that no plane is left.
+[[nodiscard]] inline std::optional<dvec3> nearest_common_point(std::span<const plane> planes,
+                                                               const dvec3& point) noexcept {
+    BILLOW_ASSERT(planes.size() <= 3);
+    constexpr double least_sine = 1e-3;
+    std::array<dvec3, 3> steps;
+    dvec3 at = point;
+    for (std::size_t i = 0; i < planes.size(); ++i) {
+        dvec3 step = planes[i].normal;
+        for (std::size_t k = 0; k < i; ++k) step -= steps[k] * glm::dot(steps[k], step);
+        const double sine = glm::length(step);
+        if (!(sine > least_sine)) return std::nullopt;
+        steps[i] = step / sine;
+        at -= steps[i] * (signed_distance(planes[i], at) / sine);
+    }
+    return at;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/geometry/ray_tree.hpp
+// What a ray meets: triangles in a hierarchy of boxes, several boxes or triangles tested at once.
+//
+// Nodes as in Wald, Benthin, Boulos: Getting rid of packets. Symposium on Interactive Ray Tracing
+// 2008. Built top down by the surface area heuristic in bins: Wald: On fast construction of SAH-based
+// bounding volume hierarchies. Symposium on Interactive Ray Tracing 2007. Triangles as in Möller,
+// Trumbore: Fast, minimum storage ray-triangle intersection. Journal of Graphics Tools 2(1), 1997.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The points origin + t · direction with near ≤ t ≤ far.
+struct ray {
+    vec3 origin{0};
+    vec3 direction{0, 0, 1};  ///< any length but 0
+    float near = 0;           ///< ≥ 0
+    float far = std::numeric_limits<float>::infinity();
+};
+
+/// Where a ray meets a triangle.
+struct ray_hit {
+    std::uint32_t triangle = no_id;                           ///< no_id: it meets none
+    float distance = std::numeric_limits<float>::infinity();  ///< t
+    float b = 0;                                              ///< weight of the second corner
+    float c = 0;                                              ///< weight of the third corner
+
+    [[nodiscard]] explicit operator bool() const noexcept { return triangle != no_id; }
+};
+
+/// Triangles, made ready for rays. It knows no mesh: triangles are numbers below a count.
+class ray_tree {
+public:
+    /// Boxes of a node, and triangles of a leaf.
+    static constexpr std::size_t width = std::max<std::size_t>(4, simd::lane_count);
+
+    ray_tree() = default;
+
+    /// Builds the tree of `count` triangles; corners_of(i) gives a std::array<vec3, 3>.
+    ///
+    /// Needs  finite corners. Triangles without area are never met.
+    /// Cost   O(count log count), on the calling thread; some 100 bytes a triangle.
+    template <class CornersOf>
+    ray_tree(std::size_t count, const CornersOf& corners_of) {
+        if (count == 0) return;
+        std::vector<item> items(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::array<vec3, 3> p = corners_of(static_cast<std::uint32_t>(i));
+            items[i].box = {glm::min(p[0], glm::min(p[1], p[2])),
+                            glm::max(p[0], glm::max(p[1], p[2]))};
+            items[i].triangle = static_cast<std::uint32_t>(i);
+        }
+        nodes_.reserve(count / 2);
+        blocks_.reserve(count / 2);
+        (void)add_node(items, 0, corners_of);
+    }
+
+    /// Whether a triangle stands in the ray's way. Where the ray meets one,
+    /// is_there(triangle, b, c) tells whether anything is there; it must not throw.
+    ///
+    /// Cost   O(log count) where triangles are spread; allocates nothing.
+    template <class V = simd::wide, class IsThere>
+    [[nodiscard]] bool is_blocked(const ray& r, const IsThere& is_there) const noexcept {
+        bool is_found = false;
+        walk<V>(r, [&](const ray_hit& hit, float&) {
+            return is_found = is_there(hit.triangle, hit.b, hit.c);
+        });
+        return is_found;
+    }
+
+    /// The first triangle on the ray's way that is there; of several at the same distance the one
+    /// of lowest number.
+    template <class V = simd::wide, class IsThere>
+    [[nodiscard]] ray_hit closest(const ray& r, const IsThere& is_there) const noexcept {
+        ray_hit first;
+        walk<V>(r, [&](const ray_hit& hit, float& far) {
+            const bool is_nearer =
+                hit.distance < first.distance ||
+                (hit.distance == first.distance && hit.triangle < first.triangle);
+            if (is_nearer && is_there(hit.triangle, hit.b, hit.c)) {
+                first = hit;
+                far = hit.distance;
+            }
+            return false;
+        });
+        return first;
+    }
+    [[nodiscard]] ray_hit closest(const ray& r) const noexcept {
+        return closest(r, [](std::uint32_t, float, float) { return true; });
+    }
+
+private:
+    struct bounds3 {
+        vec3 low{std::numeric_limits<float>::infinity()};
+        vec3 high{-std::numeric_limits<float>::infinity()};
+
+        void add(const bounds3& other) noexcept {
+            low = glm::min(low, other.low);
+            high = glm::max(high, other.high);
+        }
+        [[nodiscard]] float area() const noexcept {  // half of it
+            const vec3 d = glm::max(high - low, vec3(0));
+            return d.x * d.y + d.y * d.z + d.z * d.x;
+        }
+    };
+    struct item {
+        bounds3 box{};
+        std::uint32_t triangle = no_id;
+
+        [[nodiscard]] vec3 centre() const noexcept { return (box.low + box.high) * 0.5f; }
+    };
+    using lane_values = std::array<float, width>;
+    /// A child is a node, or with the highest bit set a block; no_id is none, its box is empty.
+    struct node {
+        std::array<lane_values, 6> bounds;  ///< low x, high x, low y, …
+        std::array<std::uint32_t, width> child;
+    };
+    struct block {
+        std::array<lane_values, 9> value;  ///< first corner, then the edges from it to the others
+        std::array<std::uint32_t, width> triangle;
+    };
+    static constexpr std::uint32_t block_bit = 0x80000000u;
+    static constexpr int deepest_sah = 24;  // beyond it triangles are halved, whatever it costs
+    static constexpr std::size_t stack_size = (deepest_sah + 32) * (width - 1) + 1;
+
+    // --- Building -----------------------------------------------------------------------------
+
+    struct part {
+        std::span<item> items{};
+        float cost = 0;  ///< of not splitting it
+    };
+    [[nodiscard]] static part part_of(std::span<item> items) noexcept {
+        bounds3 box;
+        for (const item& i : items) box.add(i.box);
+        return {items, box.area() * static_cast<float>(items.size())};
+    }
+
+    template <class CornersOf>
+    [[nodiscard]] std::uint32_t add_node(std::span<item> items, int depth,
+                                         const CornersOf& corners_of) {
+        const auto id = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.emplace_back();
+        std::array<part, width> parts{part_of(items)};
+        std::size_t count = 1;
+        while (count < width) {
+            std::size_t largest = width;
+            const auto weight = [&](const part& p) {
+                return depth < deepest_sah ? p.cost : static_cast<float>(p.items.size());
+            };
+            for (std::size_t i = 0; i < count; ++i) {
+                if (parts[i].items.size() <= width) continue;
+                if (largest == width || weight(parts[i]) > weight(parts[largest])) largest = i;
+            }
+            if (largest == width) break;
+            const std::span<item> whole = parts[largest].items;
+            const std::size_t left = depth < deepest_sah ? split_by_area(whole) : whole.size() / 2;
+            parts[largest] = part_of(whole.first(left));
+            parts[count++] = part_of(whole.subspan(left));
+        }
+        for (std::size_t k = 0; k < width; ++k) {
+            bounds3 box;
+            std::uint32_t child = no_id;
+            if (k < count) {
+                for (const item& i : parts[k].items) box.add(i.box);
+                child = parts[k].items.size() <= width
+                            ? add_block(parts[k].items, corners_of) | block_bit
+                            : add_node(parts[k].items, depth + 1, corners_of);
+            }
+            node& to = nodes_[id];
+            to.child[k] = child;
+            for (int axis = 0; axis < 3; ++axis) {
+                to.bounds[static_cast<std::size_t>(2 * axis)][k] = box.low[axis];
+                to.bounds[static_cast<std::size_t>(2 * axis + 1)][k] = box.high[axis];
+            }
+        }
+        return id;
+    }
+
+    template <class CornersOf>
+    [[nodiscard]] std::uint32_t add_block(std::span<const item> items,
+                                          const CornersOf& corners_of) {
+        block b{};
+        b.triangle.fill(no_id);
+        for (std::size_t k = 0; k < items.size(); ++k) {
+            const std::array<vec3, 3> p = corners_of(items[k].triangle);
+            b.triangle[k] = items[k].triangle;
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto axis = static_cast<glm::length_t>(i);
+                b.value[i][k] = p[0][axis];
+                b.value[3 + i][k] = p[1][axis] - p[0][axis];
+                b.value[6 + i][k] = p[2][axis] - p[0][axis];
+            }
+        }
+        blocks_.push_back(b);
+        return static_cast<std::uint32_t>(blocks_.size() - 1);
+    }
+
+    [[nodiscard]] static float blocks_for(std::size_t count) noexcept {
+        return static_cast<float>((count + width - 1) / width);
+    }
+
+    /// Sorts items to two sides of a plane between bins of centres; gives how many are on the left.
+    [[nodiscard]] static std::size_t split_by_area(std::span<item> items) {
+        constexpr std::size_t bin_count = 16;
+        bounds3 centres;
+        for (const item& i : items) centres.add({i.centre(), i.centre()});
+        const vec3 extent = centres.high - centres.low;
+        const int across = extent.y >= extent.z ? 1 : 2;
+        const int widest = extent.x >= extent[across] ? 0 : across;
+        const float scale = static_cast<float>(bin_count) / extent[widest];
+        if (!std::isfinite(scale)) return items.size() / 2;  // all centres are one
+        const auto bin_of = [&](const item& i) {
+            const float bin = (i.centre()[widest] - centres.low[widest]) * scale;
+            return std::min(static_cast<std::size_t>(bin), bin_count - 1);
+        };
+        std::array<bounds3, bin_count> boxes{};
+        std::array<std::size_t, bin_count> counts{};
+        for (const item& i : items) {
+            const std::size_t bin = bin_of(i);
+            boxes[bin].add(i.box);
+            ++counts[bin];
+        }
+        std::array<float, bin_count> cost_of_right{};
+        bounds3 right;
+        std::size_t right_count = 0;
+        for (std::size_t bin = bin_count; --bin > 0;) {
+            right.add(boxes[bin]);
+            right_count += counts[bin];
+            cost_of_right[bin] = right.area() * blocks_for(right_count);
+        }
+        bounds3 left;
+        std::size_t left_count = 0;
+        std::size_t best = 1;
+        float least = std::numeric_limits<float>::infinity();
+        for (std::size_t bin = 1; bin < bin_count; ++bin) {
+            left.add(boxes[bin - 1]);
+            left_count += counts[bin - 1];
+            const float cost = left.area() * blocks_for(left_count) + cost_of_right[bin];
+            if (left_count > 0 && left_count < items.size() && cost < least) {
+                least = cost;
+                best = bin;
+            }
+        }
+        const auto middle = std::partition(items.begin(), items.end(),
+                                           [&](const item& i) { return bin_of(i) < best; });
+        return static_cast<std::size_t>(middle - items.begin());
+    }
+
+    // --- Rays ---------------------------------------------------------------------------------
+
+    template <class V>
+    struct ray_lanes {
+        std::array<V, 3> origin, direction, inverse;
+        std::array<std::size_t, 3> near_side, far_side;  ///< rows of node::bounds
+        V near;
+
+        explicit ray_lanes(const ray& r) noexcept : near(simd::lanes<V>::fill(r.near)) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const auto axis = static_cast<glm::length_t>(i);
+                const float d = r.direction[axis];
+                // Never 0 · ∞ where the origin lies on the side of a box.
+                const float safe = std::abs(d) > 1e-18f ? d : std::copysign(1e-18f, d);
+                origin[i] = simd::lanes<V>::fill(r.origin[axis]);
+                direction[i] = simd::lanes<V>::fill(d);
+                inverse[i] = simd::lanes<V>::fill(1 / safe);
+                near_side[i] = 2 * i + (safe < 0 ? 1 : 0);
+                far_side[i] = 2 * i + (safe < 0 ? 0 : 1);
+            }
+        }
+    };
+
+    /// Where the ray enters each box; below 0 where it misses.
+    template <class V>
+    static void enter(const node& n, const ray_lanes<V>& r, float far,
+                      lane_values& entry) noexcept {
+        using lanes = simd::lanes<V>;
+        for (std::size_t k = 0; k < width; k += lanes::count) {
+            const auto at = [&](std::size_t row, std::size_t axis) {
+                return (lanes::load(&n.bounds[row][k]) - r.origin[axis]) * r.inverse[axis];
+            };
+            const V first = simd::max(simd::max(at(r.near_side[0], 0), at(r.near_side[1], 1)),
+                                      simd::max(at(r.near_side[2], 2), r.near));
+            const V last = simd::min(simd::min(at(r.far_side[0], 0), at(r.far_side[1], 1)),
+                                     simd::min(at(r.far_side[2], 2), lanes::fill(far)));
+            // Rounding of the three products; Ize: Robust BVH ray traversal. JCGT 2(2), 2013.
+            const V reach = last * lanes::fill(1 + 4e-7f);
+            lanes::store(&entry[k], simd::select(first <= reach, first, lanes::fill(-1)));
+        }
+    }
+
+    /// Where the ray meets each triangle; below 0 where it misses.
+    template <class V>
+    static void meet(const block& block, const ray_lanes<V>& r, lane_values& distance,
+                     lane_values& b, lane_values& c) noexcept {
+        using lanes = simd::lanes<V>;
+        using vector = std::array<V, 3>;
+        const auto cross = [](const vector& p, const vector& q) {
+            return vector{p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2],
+                          p[0] * q[1] - p[1] * q[0]};
+        };
+        const auto dot = [](const vector& p, const vector& q) {
+            return p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+        };
+        for (std::size_t k = 0; k < width; k += lanes::count) {
+            const auto load = [&](std::size_t row) {
+                return vector{lanes::load(&block.value[row][k]),
+                              lanes::load(&block.value[row + 1][k]),
+                              lanes::load(&block.value[row + 2][k])};
+            };
+            const vector corner = load(0);
+            const vector e1 = load(3);
+            const vector e2 = load(6);
+            const vector p = cross(r.direction, e2);
+            const V inverse = lanes::fill(1) / dot(e1, p);
+            const vector s{r.origin[0] - corner[0], r.origin[1] - corner[1],
+                           r.origin[2] - corner[2]};
+            const V u = dot(s, p) * inverse;
+            const vector q = cross(s, e1);
+            const V v = dot(r.direction, q) * inverse;
+            const V t = dot(e2, q) * inverse;
+            // Between two triangles that share an edge no ray slips through. NaN, of triangles
+            // without area, comes last and so stays.
+            const V inside = simd::min(simd::min(u, v), lanes::fill(1) - (u + v));
+            const V slack = lanes::fill(-2e-6f);
+            lanes::store(&distance[k], simd::select(inside >= slack, t, lanes::fill(-1)));
+            lanes::store(&b[k], u);
+            lanes::store(&c[k], v);
+        }
+    }
+
+    /// Calls on_hit(hit, far) for triangles on the ray's way, roughly from near to far, until it
+    /// gives true. It may move `far` nearer.
+    template <class V, class OnHit>
+    void walk(const ray& r, const OnHit& on_hit) const noexcept {
+        if (nodes_.empty()) return;
+        struct entered {
+            std::uint32_t child;
+            float entry;
+        };
+        const ray_lanes<V> in_lanes(r);
+        float far = r.far;
+        std::array<entered, stack_size> stack;
+        std::size_t size = 0;
+        stack[size++] = {0, r.near};
+        lane_values distance, b, c;
+        while (size > 0) {
+            const entered next = stack[--size];
+            if (next.entry > far) continue;
+            if ((next.child & block_bit) == 0) {
+                const node& n = nodes_[next.child];
+                enter(n, in_lanes, far, distance);
+                const std::size_t first = size;
+                for (std::size_t k = 0; k < width; ++k) {
+                    if (distance[k] < 0) continue;
+                    std::size_t at = size++;  // farthest first
+                    for (; at > first && stack[at - 1].entry < distance[k]; --at) {
+                        stack[at] = stack[at - 1];
+                    }
+                    stack[at] = {n.child[k], distance[k]};
+                }
+                continue;
+            }
+            const block& triangles = blocks_[next.child & ~block_bit];
+            meet(triangles, in_lanes, distance, b, c);
+            for (std::size_t k = 0; k < width; ++k) {
+                if (!(distance[k] >= r.near && distance[k] <= far)) continue;
+                if (on_hit(ray_hit{triangles.triangle[k], distance[k], b[k], c[k]}, far)) return;
+            }
+        }
+    }
+
+    std::vector<node> nodes_{};
+    std::vector<block> blocks_{};
+};
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/image/distance_field.hpp
+// Signed distance fields: alpha whose half value runs along an outline, however it is magnified.
+//
+// Green, "Improved alpha-tested magnification for vector textures and special effects", 2007.
+// Differs: the outline is not taken from a larger binary picture but from the covered shares of the
+// texels themselves, as the curve on which their bilinear mean crosses a threshold.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// Distance of a point to a segment.
+[[nodiscard]] inline double distance_to_segment(const dvec2& p, const dvec2& a,
+                                                const dvec2& b) noexcept {
+    const dvec2 along = b - a;
+    const double length = glm::dot(along, along);
+    const double share = length > 0 ? std::clamp(glm::dot(p - a, along) / length, 0.0, 1.0) : 0;
+    return glm::distance(p, a + along * share);
+}
+
+/// Where the bilinear mean of four values crosses `level`: up to two segments in the unit square
+/// whose corners (0,0), (1,0), (1,1), (0,1) hold `value`. Of the two ways to join four crossings the
+/// one that the value in the middle asks for.
+struct level_segments {
+    std::array<std::array<dvec2, 2>, 2> segment{};
+    std::size_t count = 0;
+
+    level_segments(const std::array<double, 4>& value, double level) noexcept {
+        static constexpr std::array<std::array<double, 2>, 4> at{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+        std::array<dvec2, 4> crossing;
+        int crossings = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::size_t j = (i + 1) % 4;
+            if ((value[i] >= level) == (value[j] >= level)) continue;
+            const double share = (level - value[i]) / (value[j] - value[i]);
+            const dvec2 a{at[i][0], at[i][1]};
+            const dvec2 b{at[j][0], at[j][1]};
+            crossing[static_cast<std::size_t>(crossings++)] = a + (b - a) * share;
+        }
+        if (crossings == 2) {
+            segment[count++] = {crossing[0], crossing[1]};
+        } else if (crossings == 4) {
+            const bool is_inside = (value[0] + value[1] + value[2] + value[3]) / 4 >= level;
+            const std::size_t first = is_inside == (value[0] >= level) ? 0 : 1;
+            // Around the corners that the middle does not belong to.
+            segment[count++] = {crossing[first], crossing[first + 1]};
+            segment[count++] = {crossing[first + 2], crossing[(first + 3) % 4]};
+        }
+    }
+};
+
+}  // namespace detail
+
+/// Distance of each texel's centre to the outline of what is covered, in texels, positive inside, at
+/// most `spread` either way. Beyond the grid nothing is covered.
+///
+/// Shape  `covered` and the result: width · height, rows from the top; shares in [0, 1].
+/// Needs  0 < level < 1, spread > 0.
+/// Cost   O(texels + outline · spread²).
+[[nodiscard]] inline std::vector<float> signed_distances(std::span<const float> covered, int width,
+                                                         int height, double level, double spread) {
+    BILLOW_ASSERT(covered.size() ==
+                  static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const auto index = [width](int x, int y) {
+        return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(x);
+    };
+    const auto value = [&](int x, int y) {
+        const bool is_in = x >= 0 && y >= 0 && x < width && y < height;
+        return is_in ? static_cast<double>(covered[index(x, y)]) : 0.0;
+    };
+    std::vector<float> distance(covered.size(), static_cast<float>(spread));
+    const int reach = static_cast<int>(std::ceil(spread));
+    for (int y = -1; y < height; ++y) {
+        for (int x = -1; x < width; ++x) {
+            const std::array<double, 4> corner{value(x, y), value(x + 1, y), value(x + 1, y + 1),
+                                               value(x, y + 1)};
+            const detail::level_segments outline(corner, level);
+            for (std::size_t s = 0; s < outline.count; ++s) {
+                const dvec2 origin(x, y);
+                const dvec2 a = origin + outline.segment[s][0];
+                const dvec2 b = origin + outline.segment[s][1];
+                for (int j = std::max(0, y - reach); j < std::min(height, y + 2 + reach); ++j) {
+                    for (int i = std::max(0, x - reach); i < std::min(width, x + 2 + reach); ++i) {
+                        float& least = distance[index(i, j)];
+                        least = std::min(least, static_cast<float>(detail::distance_to_segment(
+                                                    dvec2(i, j), a, b)));
+                    }
+                }
+            }
+        }
+    }
+    for (std::size_t i = 0; i < distance.size(); ++i) {
+        if (static_cast<double>(covered[i]) < level) distance[i] = -distance[i];
+    }
+    return distance;
+}
+
+/// A signed distance as a byte: 0 at -spread, 255 at spread, and the threshold of a half between.
+[[nodiscard]] inline std::uint8_t byte_from_distance(float distance, double spread) noexcept {
+    const double share = 0.5 + 0.5 * static_cast<double>(distance) / spread;
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(share, 0.0, 1.0)));
+}
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/image/image.hpp
 // Images of bytes, and the two spaces that their colours live in.
 
@@ -1142,14 +1898,12 @@ private:
 
 }  // namespace billow::inline BILLOW_ABI
 
-// ---- billow/mesh/face_table.hpp
-// The faces of a mesh as the plane search reads them: columns of floats around the origin.
+// ---- billow/mesh/append_mesh.hpp
+// Two meshes as one.
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <span>
-#include <string>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 // ---- billow/mesh/mesh.hpp
@@ -1251,6 +2005,217 @@ struct mesh {
 };
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/mesh/select_faces.hpp
+// Some faces of a mesh as a mesh of their own.
+
+#include <array>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// Calls `visit(column of a, column of b)` for each column that has one row a vertex, positions first.
+template <class A, class B, class Visit>
+void for_each_vertex_column(A& a, B& b, const Visit& visit) {
+    visit(a.positions, b.positions);
+    visit(a.normals, b.normals);
+    visit(a.tangents, b.tangents);
+    for (std::size_t i = 0; i < uv_set_count; ++i) visit(a.uv_sets[i], b.uv_sets[i]);
+    visit(a.colors, b.colors);
+    visit(a.feature_ids, b.feature_ids);
+}
+
+/// The textures of a material, constant or not.
+template <class Material>
+[[nodiscard]] auto textures_of(Material& m) {
+    return std::array{&m.base_color_texture, &m.metallic_roughness_texture, &m.normal_texture,
+                      &m.occlusion_texture, &m.emissive_texture};
+}
+
+/// Gives `value` its place in `order`, where it is new.
+inline std::uint32_t place_of(std::uint32_t value, std::vector<std::uint32_t>& places,
+                              std::vector<std::uint32_t>& order) {
+    std::uint32_t& place = places[value];
+    if (place == no_id) {
+        place = static_cast<std::uint32_t>(order.size());
+        order.push_back(value);
+    }
+    return place;
+}
+
+}  // namespace detail
+
+/// The given faces, with the vertices, materials and images that they use and no others; what is
+/// copied is copied bit by bit.
+///
+/// Shape   faces in the given order; vertices, materials and images in the order of first use.
+/// Needs   face ids below m.face_count(); indices of `m` within bounds.
+/// Cost    O(vertices of `m` + faces + pixels in use).
+[[nodiscard]] inline mesh select_faces(const mesh& m, std::span<const face_id> faces) {
+    mesh result;
+    std::vector<std::uint32_t> vertices;
+    std::vector<std::uint32_t> materials;
+    std::vector<std::uint32_t> images;
+    std::vector<std::uint32_t> new_vertex(m.vertex_count(), no_id);
+    std::vector<std::uint32_t> new_material(m.materials.size(), no_id);
+    std::vector<std::uint32_t> new_image(m.images.size(), no_id);
+    result.triangles.reserve(faces.size());
+    for (const face_id face : faces) {
+        uvec3 triangle = m.triangles[face];
+        for (int k = 0; k < 3; ++k) {
+            triangle[k] = detail::place_of(triangle[k], new_vertex, vertices);
+        }
+        result.triangles.push_back(triangle);
+        const material_id id = m.face_materials.empty() ? 0 : m.face_materials[face];
+        result.face_materials.push_back(
+            id < m.materials.size() ? detail::place_of(id, new_material, materials) : no_id);
+    }
+    detail::for_each_vertex_column(m, result, [&](const auto& from, auto& to) {
+        if (from.empty()) return;
+        to.reserve(vertices.size());
+        for (const std::uint32_t v : vertices) to.push_back(from[v]);
+    });
+    for (const std::uint32_t id : materials) {
+        result.materials.push_back(m.materials[id]);
+        for (texture* t : detail::textures_of(result.materials.back())) {
+            t->image =
+                t->image < m.images.size() ? detail::place_of(t->image, new_image, images) : no_id;
+        }
+    }
+    for (const std::uint32_t id : images) result.images.push_back(m.images[id]);
+    return result;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// Where normals lack, gives every face corners of its own and its flat normal.
+inline void make_normals(mesh& m) {
+    if (!m.normals.empty()) return;
+    const mesh shared = m;
+    detail::for_each_vertex_column(shared, m, [&](const auto& from, auto& to) {
+        if (from.empty()) return;
+        to.clear();
+        to.reserve(3 * shared.face_count());
+        for (const uvec3& t : shared.triangles) {
+            for (int k = 0; k < 3; ++k) to.push_back(from[t[k]]);
+        }
+    });
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        m.triangles[face] = uvec3(0, 1, 2) + 3u * face;
+        const auto [a, b, c] = m.corners(face);
+        const dvec3 cross = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+        const double length = glm::length(cross);
+        m.normals.insert(m.normals.end(), 3, vec3(length > 0 ? cross / length : dvec3(0, 0, 1)));
+    }
+}
+
+/// Whether shading needs tangents that are not there.
+[[nodiscard]] inline bool lacks_tangents(const mesh& m) noexcept {
+    return m.tangents.empty() && std::ranges::any_of(m.materials, [](const material& look) {
+               return look.normal_texture.is_present();
+           });
+}
+
+/// Appends rows, with `plain` for those that one side lacks. None where both do.
+template <class T>
+void append_rows(std::vector<T>& to, std::size_t to_count, const std::vector<T>& from,
+                 std::size_t from_count, const T& plain) {
+    if (to.empty() && from.empty()) return;
+    if (to.empty()) to.assign(to_count, plain);
+    to.insert(to.end(), from.begin(), from.end());
+    to.resize(to_count + from_count, plain);
+}
+
+}  // namespace detail
+
+/// Adds the faces of `from` behind those of `to`, with their own vertices, materials and images.
+///
+/// Gives   attributes that one of them lacks are filled: flat normals, which unshares vertices; uvs
+///         of 0; white. Tangents stay only where nobody misses them, a viewer derives them from the
+///         uvs. Where one has feature ids, the other one's vertices get those of
+///         `plain_feature`.
+/// Cost    O(vertices + faces + pixels) of `from`.
+inline void append_mesh(mesh& to, mesh from, std::uint32_t plain_feature = 0) {
+    if (to.vertex_count() > 0 && from.vertex_count() > 0) {
+        if (!to.normals.empty()) detail::make_normals(from);
+        if (!from.normals.empty()) detail::make_normals(to);
+        if (detail::lacks_tangents(to) || detail::lacks_tangents(from)) {
+            to.tangents.clear();
+            from.tangents.clear();
+        }
+    }
+    const std::size_t before = to.vertex_count();
+    const std::size_t more = from.vertex_count();
+    const auto append = [&](auto& rows, const auto& new_rows, const auto& plain) {
+        detail::append_rows(rows, before, new_rows, more, plain);
+    };
+    append(to.normals, from.normals, vec3(0, 0, 1));
+    append(to.tangents, from.tangents, vec4(1, 0, 0, 1));
+    for (std::size_t i = 0; i < uv_set_count; ++i) append(to.uv_sets[i], from.uv_sets[i], vec2(0));
+    append(to.colors, from.colors, vec4(1));
+    append(to.feature_ids, from.feature_ids, plain_feature);
+    append(to.positions, from.positions, vec3(0));
+
+    // A face beyond the last material is plain; it stays so whatever comes behind.
+    const auto material_ids = [](const mesh& m, std::size_t offset) {
+        std::vector<material_id> ids(m.face_count(), 0);
+        if (!m.face_materials.empty()) ids = m.face_materials;
+        for (material_id& id : ids) {
+            id = id < m.materials.size() ? id + static_cast<material_id>(offset) : no_id;
+        }
+        return ids;
+    };
+    std::vector<material_id> materials = material_ids(to, 0);
+    const std::vector<material_id> new_materials = material_ids(from, to.materials.size());
+    materials.insert(materials.end(), new_materials.begin(), new_materials.end());
+    to.face_materials = std::move(materials);
+    for (const uvec3& t : from.triangles) {
+        to.triangles.push_back(t + static_cast<std::uint32_t>(before));
+    }
+    for (material& look : from.materials) {
+        for (texture* t : detail::textures_of(look)) {
+            if (t->is_present()) t->image += static_cast<image_id>(to.images.size());
+        }
+        to.materials.push_back(std::move(look));
+    }
+    std::ranges::move(from.images, std::back_inserter(to.images));
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/mesh/components.hpp
+// The pieces that a mesh falls into: faces that hang together by shared vertices.
+
+#include <algorithm>
+#include <limits>
+#include <vector>
+
+// ---- billow/mesh/vertex_identity.hpp
+// Which vertices are one: those at the same place, across seams of normals and uvs.
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+// ---- billow/mesh/face_table.hpp
+// The faces of a mesh as the plane search reads them: columns of floats around the origin.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <string>
+#include <vector>
+
 // ---- billow/mesh/validate.hpp
 // The door that a mesh of unknown origin passes before anything trusts it.
 
@@ -1353,6 +2318,19 @@ struct face_table {
     [[nodiscard]] dvec3 centroid(std::size_t row) const noexcept {
         return (corner[0].get(row) + corner[1].get(row) + corner[2].get(row)) / 3.0;
     }
+    /// Sets a row's corners and all that follows from them but its area and normal, which are given:
+    /// a face of area 0 has none of its own.
+    void set(std::size_t row, const std::array<dvec3, 3>& corners, const dvec3& unit_normal,
+             double face_area) noexcept {
+        double farthest = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            corner[k].set(row, corners[k]);
+            farthest = std::max(farthest, glm::length(corners[k]));
+        }
+        normal.set(row, unit_normal);
+        area[row] = static_cast<float>(face_area);
+        reach[row] = static_cast<float>(farthest);
+    }
     /// Makes room for `rows` faces and their padding.
     void resize(std::size_t rows) {
         size = rows;
@@ -1412,14 +2390,7 @@ inline constexpr double degenerate_area_share = 1e-12;
             faces.degenerate.push_back(face);
             continue;
         }
-        double reach = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            faces.corner[k].set(row, corners[k]);
-            reach = std::max(reach, glm::length(corners[k]));
-        }
-        faces.normal.set(row, cross / doubled_area);
-        faces.area[row] = static_cast<float>(doubled_area / 2);
-        faces.reach[row] = static_cast<float>(reach);
+        faces.set(row, corners, cross / doubled_area, doubled_area / 2);
         faces.source[row++] = face;
     }
     faces.resize(row);
@@ -1494,6 +2465,449 @@ template <class V>
             load3(faces.normal),
             load(faces.area),
             load(faces.reach)};
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// One id a vertex, the same for vertices that are one.
+struct vertex_identity {
+    std::vector<std::uint32_t> id{};  ///< below `count`, in the order of first occurrence
+    std::size_t count = 0;
+};
+
+namespace detail {
+
+/// Numbers points from 0 on; equal points get the same number. A NaN equals nothing.
+class point_numbers {
+public:
+    explicit point_numbers(std::size_t most) : slots_(std::bit_ceil(2 * most + 1), no_id) {
+        points_.reserve(most);
+    }
+
+    [[nodiscard]] const std::vector<dvec3>& points() const noexcept { return points_; }
+
+    /// no_id: not numbered yet.
+    [[nodiscard]] std::uint32_t find(const dvec3& point) const noexcept {
+        return slots_[slot_of(point)];
+    }
+    std::uint32_t add(const dvec3& point) {
+        std::uint32_t& slot = slots_[slot_of(point)];
+        if (slot == no_id) {
+            slot = static_cast<std::uint32_t>(points_.size());
+            points_.push_back(point);
+        }
+        return slot;
+    }
+
+private:
+    /// Where `point` is, or else belongs.
+    [[nodiscard]] std::size_t slot_of(const dvec3& point) const noexcept {
+        const dvec3 p = point + 0.0;  // -0 has other bits than the 0 that it equals
+        std::uint64_t hash = mix_bits(std::bit_cast<std::uint64_t>(p.x));
+        hash = mix_bits(hash ^ std::bit_cast<std::uint64_t>(p.y));
+        hash = mix_bits(hash ^ std::bit_cast<std::uint64_t>(p.z));
+        std::size_t slot = hash & (slots_.size() - 1);
+        while (slots_[slot] != no_id && points_[slots_[slot]] != point) {
+            slot = (slot + 1) & (slots_.size() - 1);
+        }
+        return slot;
+    }
+
+    std::vector<std::uint32_t> slots_;
+    std::vector<dvec3> points_;
+};
+
+/// Joins points that are at most `tolerance` apart: they lie in the same cell of a grid with that
+/// spacing or in neighbouring ones.
+[[nodiscard]] inline vertex_identity joined_points(const std::vector<dvec3>& points,
+                                                   double tolerance) {
+    const auto size = static_cast<std::uint32_t>(points.size());
+    disjoint_sets sets(size);
+    point_numbers cells(size);
+    std::vector<std::uint32_t> newest;  // of each cell
+    std::vector<std::uint32_t> before(size, no_id);
+    for (std::uint32_t i = 0; i < size; ++i) {
+        const dvec3 cell = glm::floor(points[i] / tolerance);
+        for (int k = 0; k < 27; ++k) {
+            const std::uint32_t near =
+                cells.find(cell + dvec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
+            if (near == no_id) continue;
+            for (std::uint32_t j = newest[near]; j != no_id; j = before[j]) {
+                if (glm::distance(points[i], points[j]) <= tolerance) sets.join(i, j);
+            }
+        }
+        const std::uint32_t own = cells.add(cell);
+        if (own == newest.size()) newest.push_back(no_id);
+        before[i] = std::exchange(newest[own], i);
+    }
+    vertex_identity identity;
+    identity.id = sets.numbers(identity.count);
+    return identity;
+}
+
+template <class ForEachPoint>
+[[nodiscard]] vertex_identity identify(std::size_t count, double tolerance,
+                                       const ForEachPoint& for_each_point) {
+    BILLOW_ASSERT(tolerance >= 0);
+    vertex_identity identity;
+    identity.id.reserve(count);
+    point_numbers numbers(count);
+    for_each_point([&](const dvec3& point) { identity.id.push_back(numbers.add(point)); });
+    identity.count = numbers.points().size();
+    if (tolerance > 0) {
+        const vertex_identity joined = joined_points(numbers.points(), tolerance);
+        for (std::uint32_t& id : identity.id) id = joined.id[id];
+        identity.count = joined.count;
+    }
+    return identity;
+}
+
+}  // namespace detail
+
+/// Says which vertices of `m` are one: those at the same position, and those within `tolerance` of
+/// each other, directly or by way of others between them. No attribute is looked at.
+///
+/// Shape   one id a vertex, used by a face or not.
+/// Unit    tolerance in scene units, ≥ 0; 0: the same position only.
+/// Cost    O(vertices); with a tolerance that holds many vertices, times their number.
+[[nodiscard]] inline vertex_identity position_ids(const mesh& m, double tolerance = 0) {
+    return detail::identify(m.vertex_count(), tolerance, [&](const auto& visit) {
+        for (const vec3& position : m.positions) visit(dvec3(position));
+    });
+}
+
+/// The same for the corners of faces. Shape: corner k of row r at k·faces.size + r.
+[[nodiscard]] inline vertex_identity position_ids(const face_table& faces, double tolerance = 0) {
+    return detail::identify(3 * faces.size, tolerance,
+                            [&](const auto& visit) { for_each_corner(faces, visit); });
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// What makes two faces one piece.
+enum class connection {
+    position,  ///< corners at the same place: seams of normals and uvs do not cut
+    index,     ///< the same vertex of the mesh
+};
+
+/// Faces that can be reached from each other over shared vertices.
+struct mesh_component {
+    std::size_t face_count = 0;
+    double area = 0;      ///< scene units squared
+    double diameter = 0;  ///< of the sphere around the centre of its box, scene units
+};
+
+/// Shape  `of_face`: a row of `components` for each face. Components are in the order of their first
+///        faces.
+struct mesh_components {
+    std::vector<std::uint32_t> of_face{};
+    std::vector<mesh_component> components{};
+};
+
+/// Finds the connected components of a mesh.
+///
+/// Needs   indices within bounds, as validate() checks.
+/// Cost    O(vertices + faces).
+[[nodiscard]] inline mesh_components find_components(const mesh& m,
+                                                     connection by = connection::position) {
+    const bool is_by_position = by == connection::position;
+    const vertex_identity identity = is_by_position ? position_ids(m) : vertex_identity{};
+    const auto id_of = [&](std::uint32_t v) { return is_by_position ? identity.id[v] : v; };
+    disjoint_sets sets(is_by_position ? identity.count : m.vertex_count());
+    for (const uvec3& t : m.triangles) {
+        sets.join(id_of(t.x), id_of(t.y));
+        sets.join(id_of(t.x), id_of(t.z));
+    }
+
+    struct box {
+        dvec3 low{std::numeric_limits<double>::infinity()};
+        dvec3 high{-std::numeric_limits<double>::infinity()};
+    };
+    mesh_components result;
+    result.of_face.reserve(m.face_count());
+    std::vector<std::uint32_t> number(is_by_position ? identity.count : m.vertex_count(), no_id);
+    std::vector<box> boxes;
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        std::uint32_t& component = number[sets.leader(id_of(m.triangles[face].x))];
+        if (component == no_id) {
+            component = static_cast<std::uint32_t>(boxes.size());
+            result.components.emplace_back();
+            boxes.emplace_back();
+        }
+        result.of_face.push_back(component);
+        ++result.components[component].face_count;
+        const auto [a, b, c] = m.corners(face);
+        result.components[component].area +=
+            glm::length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a))) / 2;
+        for (const vec3& corner : {a, b, c}) {
+            boxes[component].low = glm::min(boxes[component].low, dvec3(corner));
+            boxes[component].high = glm::max(boxes[component].high, dvec3(corner));
+        }
+    }
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        const box& around = boxes[result.of_face[face]];
+        double& diameter = result.components[result.of_face[face]].diameter;
+        for (const vec3& corner : m.corners(face)) {
+            const dvec3 centre = around.low + (around.high - around.low) * 0.5;
+            diameter = std::max(diameter, 2 * glm::distance(dvec3(corner), centre));
+        }
+    }
+    return result;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/mesh/roles.hpp
+// Which faces are foliage and which are solid: by material names, alpha, or the size of the pieces.
+//
+// A. Fuhrmann et al.: Extreme model simplification for forest rendering. 2005, section 3.2.2: planes
+// of leaves that are searched together with the trunk slice it.
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <string_view>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+enum class face_role : std::uint8_t {
+    solid,    ///< a trunk, a wall
+    foliage,  ///< leaves, needles, fronds
+};
+
+/// What told the roles apart.
+enum class role_rule {
+    none,            ///< nothing did: every face is solid
+    material_names,  ///< role_options::foliage_materials
+    alpha,           ///< materials whose alpha cuts holes
+    component_size,  ///< role_options::leaf
+};
+
+/// A connected component is a leaf when it is within all of these. Shares are of the whole mesh, not
+/// of its largest component, so that equal leaves without a trunk are leaves, too.
+struct leaf_size {
+    std::size_t triangles = 200;   ///< most triangles
+    double triangle_share = 0.05;  ///< of all triangles
+    double area_share = 0.01;      ///< of the whole area
+    double diameter_share = 0.25;  ///< of the diameter of the sphere around the mesh
+};
+
+struct role_options {
+    /// Names such as "leaf*" of the materials that are foliage; * is any text, ? any character, case
+    /// does not count. None: alpha decides, and where no alpha cuts, the size of components.
+    std::vector<std::string> foliage_materials{};
+    /// Of the texels of a base colour texture: where alpha leaves out fewer, the material is solid.
+    double least_cut = 0.05;
+    leaf_size leaf{};
+};
+
+/// Shape  `of_face`: one role a face.
+struct face_roles {
+    std::vector<face_role> of_face{};
+    role_rule rule = role_rule::none;
+    double foliage_area_share = 0;
+    std::string reason{};  ///< one line for people
+
+    /// The faces of a role, ascending.
+    [[nodiscard]] std::vector<face_id> faces_of(face_role role) const {
+        std::vector<face_id> faces;
+        for (face_id face = 0; face < of_face.size(); ++face) {
+            if (of_face[face] == role) faces.push_back(face);
+        }
+        return faces;
+    }
+};
+
+/// Whether `text` fits `pattern`: * is any text, ? any character, case of ASCII does not count.
+/// Cost  O(text × pattern).
+[[nodiscard]] inline bool matches_glob(std::string_view text, std::string_view pattern) noexcept {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
+    std::size_t t = 0;
+    std::size_t p = 0;
+    std::size_t star = std::string_view::npos;
+    std::size_t after_star = 0;  // where the text goes on if the last star takes one more
+    while (t < text.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            after_star = t;
+        } else if (p < pattern.size() &&
+                   (pattern[p] == '?' || lower(pattern[p]) == lower(text[t]))) {
+            ++p, ++t;
+        } else if (star != std::string_view::npos) {
+            p = star + 1;
+            t = ++after_star;
+        } else {
+            return false;
+        }
+    }
+    while (p < pattern.size() && pattern[p] == '*') ++p;
+    return p == pattern.size();
+}
+
+namespace detail {
+
+/// Whether alpha cuts holes into a surface. Where its texture has no alpha, a mask of a double-sided
+/// material is taken by its word; an even transparency is glass.
+[[nodiscard]] inline bool is_cut(const mesh& m, const material& look, double least_cut) {
+    if (look.alpha == alpha_mode::opaque) return false;
+    const image_id id = look.base_color_texture.image;
+    if (id >= m.images.size() || m.images[id].empty() || m.images[id].channels != 4) {
+        return look.alpha == alpha_mode::mask && look.is_double_sided;
+    }
+    const float cutoff = look.alpha == alpha_mode::mask ? look.alpha_cutoff : 0.5f;
+    const std::vector<std::uint8_t>& bytes = m.images[id].bytes;
+    std::size_t cut = 0;
+    std::size_t kept = 0;
+    for (std::size_t i = 3; i < bytes.size(); i += 4) {
+        ++(static_cast<float>(bytes[i]) / 255.0f * look.base_color.w < cutoff ? cut : kept);
+    }
+    return kept > 0 && static_cast<double>(cut) >= least_cut * static_cast<double>(cut + kept);
+}
+
+[[nodiscard]] inline std::string percent(double share) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%.3g %%", 100 * share);
+    return text;
+}
+
+/// Finds roles; its methods are the rules.
+class role_finder {
+public:
+    role_finder(const mesh& m, const role_options& options) : mesh_(m), options_(options) {
+        roles_.of_face.assign(m.face_count(), face_role::solid);
+    }
+
+    [[nodiscard]] face_roles run() {
+        const auto is_named = [&](const material& m) {
+            return std::ranges::any_of(options_.foliage_materials, [&](const std::string& pattern) {
+                return matches_glob(m.name, pattern);
+            });
+        };
+        const auto cuts = [&](const material& m) { return is_cut(mesh_, m, options_.least_cut); };
+        if (!options_.foliage_materials.empty()) {
+            by_material(role_rule::material_names, "foliage by name is ", is_named);
+        } else if (!by_material(role_rule::alpha, "alpha cuts holes into ", cuts)) {
+            by_component_size();
+        }
+        add_area();
+        return std::move(roles_);
+    }
+
+private:
+    template <class IsFoliage>
+    bool by_material(role_rule rule, const std::string& reason, const IsFoliage& is_foliage) {
+        std::vector<char> is_leafy;
+        for (const material& m : mesh_.materials) is_leafy.push_back(is_foliage(m));
+        std::vector<char> is_told(mesh_.materials.size(), 0);
+        std::size_t count = 0;
+        roles_.reason = reason;
+        for (face_id face = 0; face < mesh_.face_count(); ++face) {
+            const material_id id = mesh_.face_materials.empty() ? 0 : mesh_.face_materials[face];
+            if (id >= is_leafy.size() || is_leafy[id] == 0) continue;
+            roles_.of_face[face] = face_role::foliage;
+            if (is_told[id] != 0) continue;
+            is_told[id] = 1;
+            if (++count > 3) continue;
+            roles_.reason += (count > 1 ? ", \"" : "\"") + mesh_.materials[id].name + '"';
+        }
+        if (count == 0) roles_.reason += "no material";
+        if (count > 3) roles_.reason += " and " + std::to_string(count - 3) + " more";
+        if (count > 0) roles_.rule = rule;
+        return count > 0;
+    }
+
+    void by_component_size() {
+        const mesh_components pieces = find_components(mesh_);
+        double area = 0;
+        for (const mesh_component& piece : pieces.components) area += piece.area;
+        const double diameter = 2 * bounding_sphere_of(3 * mesh_.face_count(), [&](std::size_t i) {
+                                        return mesh_.corners(static_cast<face_id>(i / 3))[i % 3];
+                                    }).radius;
+        std::vector<face_role> role_of;
+        std::size_t leaves = 0;
+        for (const mesh_component& piece : pieces.components) {
+            const leaf_size& most = options_.leaf;
+            const bool is_leaf =
+                piece.face_count <= most.triangles &&
+                static_cast<double>(piece.face_count) <=
+                    most.triangle_share * static_cast<double>(mesh_.face_count()) &&
+                piece.area <= most.area_share * area &&
+                piece.diameter <= most.diameter_share * diameter;
+            role_of.push_back(is_leaf ? face_role::foliage : face_role::solid);
+            if (is_leaf) ++leaves;
+        }
+        for (face_id face = 0; face < mesh_.face_count(); ++face) {
+            roles_.of_face[face] = role_of[pieces.of_face[face]];
+        }
+        roles_.rule = leaves > 0 ? role_rule::component_size : role_rule::none;
+        roles_.reason = std::to_string(leaves) + " of " + std::to_string(role_of.size()) +
+                        " connected components are as small as leaves";
+    }
+
+    void add_area() {
+        double all = 0;
+        double foliage = 0;
+        for (face_id face = 0; face < mesh_.face_count(); ++face) {
+            const auto [a, b, c] = mesh_.corners(face);
+            const double area = glm::length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)));
+            all += area;
+            if (roles_.of_face[face] == face_role::foliage) foliage += area;
+        }
+        roles_.foliage_area_share = all > 0 ? foliage / all : 0;
+    }
+
+    const mesh& mesh_;
+    const role_options& options_;
+    face_roles roles_{};
+};
+
+}  // namespace detail
+
+/// Gives every face a role. The first rule that finds foliage decides for all faces: names, where
+/// some are given, and nothing else then; materials whose alpha cuts holes; components as small as
+/// leaves. An opaque material is solid whatever its texture's alpha says.
+///
+/// Needs   indices within bounds, as validate() checks.
+/// Cost    O(faces + texels of cut-out textures).
+[[nodiscard]] inline face_roles find_roles(const mesh& m, const role_options& options = {}) {
+    return detail::role_finder(m, options).run();
+}
+
+/// What a model is, for who has to choose how to treat it.
+enum class model_kind {
+    solid,    ///< one search, for closed surfaces
+    foliage,  ///< one search, for leaves
+    split,    ///< a trunk and its foliage, each to be searched alone
+};
+
+struct model_description {
+    model_kind kind = model_kind::solid;
+    face_roles roles{};
+    std::string reason{};  ///< one line for people
+};
+
+/// Says what `m` is: solid where less than a tenth of the area is foliage, foliage where hardly
+/// anything (a fiftieth) is solid. Small components alone are weak evidence, houses have nails: they
+/// count from six tenths of the area and 50 faces on.
+[[nodiscard]] inline model_description describe(const mesh& m, const role_options& options = {}) {
+    model_description result;
+    result.roles = find_roles(m, options);
+    const double share = result.roles.foliage_area_share;
+    const bool is_weak = result.roles.rule == role_rule::component_size;
+    const double least = is_weak ? 0.6 : 0.1;
+    const char* kind = "solid";
+    if (share >= least && (!is_weak || m.face_count() >= 50)) {
+        result.kind = share > 0.98 ? model_kind::foliage : model_kind::split;
+        kind = share > 0.98 ? "foliage" : "split into trunk and foliage";
+    }
+    result.reason = std::string(kind) + ": " + result.roles.reason;
+    if (share > 0) result.reason += ", " + detail::percent(share) + " of the area";
+    return result;
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -1635,6 +3049,7 @@ public:
         lattice_ = std::move(tables);
     }
 
+    [[nodiscard]] int resolution() const noexcept { return resolution_; }
     [[nodiscard]] std::size_t orientation_count() const noexcept { return lattice_->points.size(); }
 
     [[nodiscard]] dvec3 direction(orientation_id id) const noexcept {
@@ -1800,6 +3215,7 @@ public:
         BILLOW_ASSERT(resolution >= 1);
     }
 
+    [[nodiscard]] int resolution() const noexcept { return resolution_; }
     [[nodiscard]] std::size_t orientation_count() const noexcept {
         return static_cast<std::size_t>(columns()) * static_cast<std::size_t>(rows());
     }
@@ -3545,20 +4961,34 @@ struct tube_row {
 // ---- billow/policy/contribution.hpp
 // What drawing a face on a plane is worth: contribution.
 
+#include <algorithm>
+#include <cmath>
 #include <concepts>
+#include <utility>
 
 
 namespace billow::inline BILLOW_ABI {
 
 /// Worth of drawing a face on a plane with the given normal, in scene units squared. Pure, at most
 /// the area of the face, and the same for n and -n: faces are seen from both sides, and the density
-/// grid keeps one row for both.
+/// grid keeps one row for both. A policy may have a member `least_cosine`, see least_cosine_of.
 template <class P, class V = float>
 concept contribution = std::copyable<P> &&
     requires(const P& worth, const face_lanes<V>& face, const vec3_lanes<V>& normal) {
     { worth(face, normal) }
     noexcept->std::same_as<V>;
 };
+
+/// The least |cosine| between the normals of a face and of a plane that may take it; 0, which allows
+/// all, for a policy that does not say.
+template <class Contribution>
+[[nodiscard]] constexpr float least_cosine_of(const Contribution& worth) noexcept {
+    if constexpr (requires { worth.least_cosine; }) {
+        return worth.least_cosine;
+    } else {
+        return 0;
+    }
+}
 
 /// Area of the face seen along the plane's normal. Source: Luksch 2009, eq 3.4. Differs by the
 /// absolute value, without which faces that look the other way would count as negative.
@@ -3569,7 +4999,227 @@ struct projected_area {
         return face.area * simd::min(simd::abs(dot(face.normal, normal)), simd::lanes<V>::fill(1));
     }
 };
+
+/// Area of the face, falling in proportion to the angle between face and plane: 100, 88.9, 66.7 at
+/// 0, 10 and 30 degrees, where the projected area is 100, 98.5, 86.6 and hardly tells them apart.
+///
+/// Source  Fuhrmann et al. 2005, section 3.3.1. The angle is that of the chord between the normals:
+///         it keeps its digits near 0, where the arc cosine of a float is off by 0.02°. Within 2e-6
+///         of the area, by a polynomial of our own instead of a library's, so that all lanes give
+///         the same bits.
+struct angular_area {
+    template <class V>
+    [[nodiscard]] V operator()(const face_lanes<V>& face,
+                               const vec3_lanes<V>& normal) const noexcept {
+        const auto squared_length = [](V x, V y, V z) { return x * x + y * y + z * z; };
+        const vec3_lanes<V>& f = face.normal;
+        const V ahead = squared_length(f.x - normal.x, f.y - normal.y, f.z - normal.z);
+        const V behind = squared_length(f.x + normal.x, f.y + normal.y, f.z + normal.z);
+        const V q = simd::min(ahead, behind);
+        // angle / 90° = 4 / pi · asin(sqrt(q) / 2) = sqrt(q) · sum, equal to it in six Chebyshev
+        // nodes of q in [0, 2].
+        const auto fill = [](float value) { return simd::lanes<V>::fill(value); };
+        const V low = (fill(2.9080769e-3f) * q + fill(2.653927e-2f)) * q + fill(0.63661939f);
+        const V high = (fill(5.8815534e-5f) * q - fill(5.4860026e-5f)) * q + fill(5.9644331e-4f);
+        const V sum = low + high * (q * q * q);
+        return face.area * simd::max(fill(1) - simd::sqrt(q) * sum, fill(0));
+    }
+};
+
+/// Another contribution, but none to planes whose normal deviates more from the face's than an angle.
+/// A search takes no face on such a plane.
+///
+/// Source  Luksch 2009, section 4.3, "normal threshold". A density measures a face at the centres of
+///         the orientation cells, so the angle should exceed their half diagonal, 4° at raster 18.
+template <class Contribution = projected_area>
+struct within_angle {
+    Contribution base;
+    float least_cosine;  ///< of the angle; 0: all planes
+
+    /// `max_angle_deg` in [0, 90], where 90 allows all planes; below 0.1 floats end, it works as 0.1.
+    within_angle(Contribution contribution, double max_angle_deg) noexcept
+        : base(std::move(contribution)), least_cosine(least_cosine_of(base)) {
+        constexpr double radian = 0.017453292519943295;
+        if (max_angle_deg >= 90) return;
+        const double cosine = std::cos(std::max(max_angle_deg, 0.1) * radian);
+        least_cosine = std::max(least_cosine, static_cast<float>(cosine));
+    }
+
+    template <class V>
+    [[nodiscard]] V operator()(const face_lanes<V>& face,
+                               const vec3_lanes<V>& normal) const noexcept {
+        const V cosine = simd::abs(dot(face.normal, normal));
+        return simd::select(cosine >= simd::lanes<V>::fill(least_cosine), base(face, normal),
+                            simd::lanes<V>::fill(0));
+    }
+};
+
 static_assert(contribution<projected_area> && contribution<projected_area, simd::wide>);
+static_assert(contribution<angular_area> && contribution<angular_area, simd::wide>);
+static_assert(contribution<within_angle<>> && contribution<within_angle<>, simd::wide>);
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/policy/falloff.hpp
+// How much less a face counts on planes that lie off the middle of its valid offsets: falloff.
+
+#include <concepts>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Weight in (0, 1] of a face on a plane whose offset is `distance` ≥ 0 from the middle of the
+/// face's valid offsets; 1 at 0, falling. Pure.
+template <class P, class V = float>
+concept falloff = std::copyable<P> && requires(const P& weigh, V distance, V epsilon) {
+    { P::falls } -> std::convertible_to<bool>;
+    { weigh(distance, epsilon) }
+    noexcept->std::same_as<V>;
+};
+
+/// A face counts the same on all planes that it is valid for.
+struct no_falloff {
+    static constexpr bool falls = false;
+
+    template <class V>
+    [[nodiscard]] V operator()(V, V) const noexcept {
+        return simd::lanes<V>::fill(1);
+    }
+};
+
+/// A face counts less the farther the plane is from it: half at epsilon with strength 1. It draws
+/// planes to the faces that they stand for; a bound on the distance alone is content with any.
+///
+/// Source  Luksch 2009, section 3.2, eq 3.6, and with strength 0.25 the weaker fall to 0.8 that he
+///         mentions. The whole middle bin counts fully, which eq 3.7 intends but, adding a length to
+///         1, does not do: who samples the weight in bins takes half a bin off the distance.
+struct distance_falloff {
+    static constexpr bool falls = true;
+    double strength = 1;  ///< ≥ 0; the weight at epsilon is 1 / (strength + 1); 0: always 1
+
+    template <class V>
+    [[nodiscard]] V operator()(V distance, V epsilon) const noexcept {
+        const V k = simd::lanes<V>::fill(static_cast<float>(strength));
+        return epsilon / (k * distance + epsilon);
+    }
+};
+
+/// Where a search lets its falloff count.
+enum class falloff_use {
+    everywhere,  ///< in the density grid and in refinement
+    refinement,  ///< in refinement only, whose bins are finer (Luksch 2009, section 3.2)
+    nowhere,     ///< as if it were no_falloff
+};
+
+static_assert(falloff<no_falloff> && falloff<no_falloff, simd::wide>);
+static_assert(falloff<distance_falloff> && falloff<distance_falloff, simd::wide>);
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/policy/orientation_bias.hpp
+// Which orientations a search prefers: a weight on densities when they are read.
+//
+// Fuhrmann, Umlauf, Mantler: Extreme model simplification for forest rendering. 2005, section 3.3.5.
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <numbers>
+#include <tuple>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Weight in (0, 1] of the planes with a given unit normal, the same for n and -n. Stored densities
+/// stay as they are: the weight is applied when the densest bin is looked for. Pure.
+template <class P>
+concept orientation_bias = std::copyable<P> && requires(const P& weigh, const dvec3& normal) {
+    { weigh(normal) }
+    noexcept->std::same_as<double>;
+};
+
+/// A density as a search with that weight, > 0, reads it. Below 0 the density is divided: multiplied,
+/// a small weight would be a reward.
+[[nodiscard]] inline double biased(double density, double weight) noexcept {
+    return density > 0 ? density * weight : density / weight;
+}
+
+/// All orientations count the same.
+struct no_bias {
+    [[nodiscard]] double operator()(const dvec3&) const noexcept { return 1; }
+};
+
+namespace detail {
+
+/// 1 up to the cutoff, then falling with the angle to 1 - share at 90°.
+[[nodiscard]] inline double slope_weight(double angle_deg, double share,
+                                         double cutoff_deg) noexcept {
+    // A share of 1 would forbid planes that some faces need.
+    constexpr double most = 0.999;
+    const double beyond = std::clamp((angle_deg - cutoff_deg) / (90 - cutoff_deg), 0.0, 1.0);
+    return 1 - std::min(share, most) * beyond;
+}
+
+/// Angle between a plane's unit normal and the ground, in degrees: 90 for a horizontal plane.
+[[nodiscard]] inline double elevation_deg(const dvec3& normal, const dvec3& up) noexcept {
+    return std::asin(std::min(std::abs(glm::dot(normal, up)), 1.0)) * 180 / std::numbers::pi;
+}
+
+}  // namespace detail
+
+/// Makes horizontal planes rare, for viewers near the ground: layers of foliage that one flat plane
+/// could hold would be invisible from the side.
+///
+/// Source: Fuhrmann et al. 2005, section 3.3.5, with its 60 % and 50°.
+struct horizontal_penalty {
+    double share = 0.60;     ///< of the density that horizontal planes lose, [0, 1]; 0: off
+    double cutoff_deg = 50;  ///< elevation of the normal from which the loss grows, [0, 90)
+    dvec3 up{0, 1, 0};       ///< unit length
+
+    [[nodiscard]] double operator()(const dvec3& normal) const noexcept {
+        return detail::slope_weight(detail::elevation_deg(normal, up), share, cutoff_deg);
+    }
+};
+
+/// The mirror of horizontal_penalty: makes vertical planes rare, for viewers who fly over.
+struct vertical_penalty {
+    double share = 0.60;     ///< of the density that vertical planes lose, [0, 1]; 0: off
+    double cutoff_deg = 50;  ///< angle of the normal to `up` from which the loss grows, [0, 90)
+    dvec3 up{0, 1, 0};       ///< unit length
+
+    [[nodiscard]] double operator()(const dvec3& normal) const noexcept {
+        return detail::slope_weight(90 - detail::elevation_deg(normal, up), share, cutoff_deg);
+    }
+};
+
+/// Both penalties around one axis, each of them off at a share of 0.
+struct viewpoint_bias {
+    double horizontal_share = 0;  ///< see horizontal_penalty
+    double vertical_share = 0;    ///< see vertical_penalty
+    double cutoff_deg = 50;       ///< of both, [0, 90)
+    dvec3 up{0, 1, 0};            ///< unit length
+
+    [[nodiscard]] double operator()(const dvec3& normal) const noexcept {
+        const horizontal_penalty horizontal{horizontal_share, cutoff_deg, up};
+        const vertical_penalty vertical{vertical_share, cutoff_deg, up};
+        return horizontal(normal) * vertical(normal);
+    }
+};
+
+/// The product of several biases.
+template <orientation_bias... Biases>
+struct combined_bias {
+    std::tuple<Biases...> biases{};
+
+    combined_bias() = default;
+    explicit combined_bias(const Biases&... all) requires(sizeof...(Biases) > 0) : biases(all...) {}
+
+    [[nodiscard]] double operator()(const dvec3& normal) const noexcept {
+        return std::apply([&](const Biases&... all) { return (1.0 * ... * all(normal)); }, biases);
+    }
+};
+
+static_assert(orientation_bias<no_bias> && orientation_bias<horizontal_penalty> &&
+              orientation_bias<vertical_penalty> && orientation_bias<viewpoint_bias> &&
+              orientation_bias<combined_bias<horizontal_penalty, vertical_penalty>>);
 
 }  // namespace billow::inline BILLOW_ABI
 // ---- billow/policy/penalty.hpp
@@ -3775,7 +5425,8 @@ struct offset_axis {
 };
 
 /// Ramps that start in one bin: `step` is their joint height, `before` the part of it that lies in
-/// the bin before their starts. The coverage of bin b is Σ step[0..b] - before[b].
+/// the bin before their starts. The coverage of bin b is Σ step[0..b] - before[b]. A value of that
+/// bin alone is taken off `before`.
 struct ramp {
     std::int64_t step = 0;
     std::int64_t before = 0;
@@ -3873,6 +5524,7 @@ template <class Worth>
 // orientations and walks all faces. Within a chunk the faces come in blocks that stay in the cache,
 // each block in two steps: lanes compute where the ramps start, scalars add them up.
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -3884,18 +5536,30 @@ namespace billow::inline BILLOW_ABI {
 
 /// The policies that make a density.
 template <class Validity = hull_of_samples, class Contribution = projected_area,
-          class Penalty = inner_side_penalty>
+          class Penalty = inner_side_penalty, class Falloff = no_falloff, class Bias = no_bias>
 struct density_policies {
     /// Where nothing is charged, the ramps of the penalty are not drawn.
     static constexpr bool charges = !std::same_as<Penalty, no_penalty>;
+    /// Where contributions fall off, bins sample them instead of counting what is covered.
+    static constexpr bool falls = Falloff::falls;
 
     Validity validity{};
     Contribution contribution{};
     Penalty penalty{};
+    Falloff falloff{};
+    Bias bias{};
 };
-template <class Validity, class Contribution, class Penalty>
-density_policies(Validity, Contribution, Penalty)
-    -> density_policies<Validity, Contribution, Penalty>;
+template <class Validity, class Contribution = projected_area, class Penalty = inner_side_penalty,
+          class Falloff = no_falloff, class Bias = no_bias>
+density_policies(Validity, Contribution = {}, Penalty = {}, Falloff = {}, Bias = {})
+    -> density_policies<Validity, Contribution, Penalty, Falloff, Bias>;
+
+/// The same policies, without a falloff.
+template <class Validity, class Contribution, class Penalty, class Falloff, class Bias>
+[[nodiscard]] auto without_falloff(
+    const density_policies<Validity, Contribution, Penalty, Falloff, Bias>& p) {
+    return density_policies{p.validity, p.contribution, p.penalty, no_falloff{}, p.bias};
+}
 
 /// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30.
 [[nodiscard]] inline double density_scale(const face_table& faces) noexcept {
@@ -3909,14 +5573,21 @@ enum class density_change { add, remove };
 namespace detail {
 
 /// Where the ramps of a block of faces start: two that bound the contribution, two the penalty.
+/// Under a falloff the contribution is sampled instead, in the bins from first to last.
 struct ramp_block {
     static constexpr std::size_t size = 256;
     struct starts {
         std::array<std::int32_t, size> bin;
         std::array<std::int32_t, size> before;
     };
+    struct samples {
+        std::array<float, size> first;
+        std::array<float, size> last;    ///< below first: no bin is touched
+        std::array<float, size> middle;  ///< of the valid offsets, in bins
+    };
     std::array<std::int32_t, size> height;  ///< 0: the face is not valid here
     std::array<starts, 4> start;
+    samples sample;
 };
 
 /// Constants of a grid in lanes.
@@ -3949,17 +5620,35 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
         const auto rounded = simd::truncate(height);
         simd::lanes<V>::store(block.height.data() + i, rounded);
         const V exact_height = simd::to_float(rounded);
+        const auto in_bins = [&](V offset) {
+            return (offset - axis.origin) * axis.inverse_spacing;
+        };
+        const auto clip = [&](V bins) { return simd::max(simd::min(bins, axis.bin_count), zero); };
         const auto put = [&](std::size_t k, V offset) {
-            const V at = simd::max(
-                simd::min((offset - axis.origin) * axis.inverse_spacing, axis.bin_count), zero);
+            const V at = clip(in_bins(offset));
             const auto bin = simd::truncate(at);
             const V share = at - simd::to_float(bin);
             simd::lanes<V>::store(block.start[k].bin.data() + i, bin);
             simd::lanes<V>::store(block.start[k].before.data() + i,
                                   simd::truncate(exact_height * share));
         };
-        put(0, valid.low);
-        put(1, valid.high);
+        if constexpr (Policies::falls) {
+            using lanes = simd::lanes<V>;
+            const V low = in_bins(valid.low);
+            const V high = in_bins(valid.high);
+            const V end = clip(high);
+            const V whole = simd::to_float(simd::truncate(end));
+            const V begin = simd::to_float(simd::truncate(clip(low)));
+            lanes::store(block.sample.first.data() + i, begin);
+            // An interval that ends where a bin begins does not touch it.
+            const V last = simd::select(whole < end, whole, whole - lanes::fill(1));
+            lanes::store(block.sample.last.data() + i,
+                         simd::select(height >= lanes::fill(1), last, begin - lanes::fill(1)));
+            lanes::store(block.sample.middle.data() + i, (low + high) * lanes::fill(0.5f));
+        } else {
+            put(0, valid.low);
+            put(1, valid.high);
+        }
         if constexpr (Policies::charges) {
             // Below 0 the row belongs to the opposite normal, whose inner side is the upper one.
             const offset_interval<V> above = policies.penalty(valid, axis.epsilon);
@@ -3980,10 +5669,44 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
     return false;
 }
 
-/// Adds sign times the block's ramps to a row, the penalty's only where it charges.
-template <int Sign, bool Charges>
-void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> contribution,
-                    std::span<ramp> penalty) noexcept {
+/// Adds sign times the block's contributions to a row, weighted by the falloff at the centre of each
+/// bin that a face's valid offsets touch. A value of one bin is a ramp's `before` of less than 0.
+///
+/// Source  Luksch 2009, section 3.2, with the intent of eq 3.7: half a bin is free.
+template <int Sign, class V, class Falloff>
+void add_samples(const ramp_block& block, std::size_t count, const axis_lanes<V>& axis,
+                 const Falloff& weigh, std::span<ramp> row) noexcept {
+    using lanes = simd::lanes<V>;
+    const V zero = lanes::fill(0);
+    const V half = lanes::fill(0.5f);
+    const V one = lanes::fill(1);
+    const V epsilon = axis.epsilon * axis.inverse_spacing;
+    alignas(64) std::array<std::int32_t, lanes::count> bins;
+    alignas(64) std::array<std::int32_t, lanes::count> values;
+    for (std::size_t i = 0; i < count; i += lanes::count) {
+        const V height = simd::to_float(lanes::load(block.height.data() + i));
+        const V middle = lanes::load(block.sample.middle.data() + i);
+        const V last = lanes::load(block.sample.last.data() + i);
+        V bin = lanes::load(block.sample.first.data() + i);
+        lanes::store(bins.data(), simd::truncate(last - bin));
+        const std::int32_t most = *std::ranges::max_element(bins);
+        for (std::int32_t k = 0; k <= most; ++k) {
+            const V distance = simd::max(simd::abs(bin + half - middle) - half, zero);
+            const V value = height * weigh(distance, epsilon);
+            lanes::store(values.data(), simd::truncate(simd::select(bin <= last, value, zero)));
+            lanes::store(bins.data(), simd::truncate(simd::min(bin, axis.bin_count)));
+            for (std::size_t lane = 0; lane < lanes::count; ++lane) {
+                row[static_cast<std::size_t>(bins[lane])].before -= Sign * values[lane];
+            }
+            bin = bin + one;
+        }
+    }
+}
+
+/// Adds sign times the block's ramps to a row, those of the penalty only where it charges.
+template <int Sign, class Policies>
+void add_ramps(const ramp_block& block, std::size_t count, std::span<ramp> contribution,
+               std::span<ramp> penalty) noexcept {
     const auto add = [&](std::span<ramp> row, const ramp_block::starts& start, std::size_t i,
                          std::int64_t sign) {
         ramp& at = row[static_cast<std::size_t>(start.bin[i])];
@@ -3991,13 +5714,25 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
         at.before += sign * start.before[i];
     };
     for (std::size_t i = 0; i < count; ++i) {
-        add(contribution, block.start[0], i, Sign);
-        add(contribution, block.start[1], i, -Sign);
-        if constexpr (Charges) {
+        if constexpr (!Policies::falls) {
+            add(contribution, block.start[0], i, Sign);
+            add(contribution, block.start[1], i, -Sign);
+        }
+        if constexpr (Policies::charges) {
             add(penalty, block.start[2], i, Sign);
             add(penalty, block.start[3], i, -Sign);
         }
     }
+}
+
+/// Adds sign times a block of faces to one row of a grid.
+template <int Sign, class V, class Policies>
+void add_block(const ramp_block& block, std::size_t count, const axis_lanes<V>& axis,
+               const Policies& policies, density_grid& grid, std::size_t row) noexcept {
+    if constexpr (Policies::falls) {
+        add_samples<Sign>(block, count, axis, policies.falloff, grid.contribution(row));
+    }
+    add_ramps<Sign, Policies>(block, count, grid.contribution(row), grid.penalty(row));
 }
 
 }  // namespace detail
@@ -4007,7 +5742,8 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
 /// A row stands for a cell of normals and, at offsets below 0, for the opposite normals. Each face
 /// counts its contribution, measured at the cell's centre, at the offsets where the validity policy
 /// allows it, and as a penalty where the penalty policy charges it; a bin that is covered in part
-/// counts that part.
+/// counts that part. Under a falloff a bin counts the contribution as weighted at its centre, however
+/// much of it is covered.
 ///
 /// Shape   `cells`: one a row of `grid`.
 /// Unit    `epsilon` in scene units.
@@ -4018,16 +5754,16 @@ void add_ramp_block(const ramp_block& block, std::size_t count, std::span<ramp> 
 /// Cost    O(faces · rows), parallel over rows, no allocation.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.6.
 template <class V = simd::wide, validity<V> Validity, contribution<V> Contribution,
-          penalty<V> Penalty>
-void rasterize_density(const face_table& faces, std::span<const orientation_cell> cells,
-                       const density_policies<Validity, Contribution, Penalty>& policies,
-                       double epsilon, density_grid& grid,
-                       density_change change = density_change::add, parallel threads = {}) {
+          penalty<V> Penalty, falloff<V> Falloff, orientation_bias Bias>
+void rasterize_density(
+    const face_table& faces, std::span<const orientation_cell> cells,
+    const density_policies<Validity, Contribution, Penalty, Falloff, Bias>& policies,
+    double epsilon, density_grid& grid, density_change change = density_change::add,
+    parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
-    constexpr bool charges = density_policies<Validity, Contribution, Penalty>::charges;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
@@ -4038,11 +5774,9 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
                     continue;
                 }
                 if (change == density_change::add) {
-                    detail::add_ramp_block<1, charges>(block, count, grid.contribution(row),
-                                                       grid.penalty(row));
+                    detail::add_block<1>(block, count, axis, policies, grid, row);
                 } else {
-                    detail::add_ramp_block<-1, charges>(block, count, grid.contribution(row),
-                                                        grid.penalty(row));
+                    detail::add_block<-1>(block, count, axis, policies, grid, row);
                 }
             }
         }
@@ -4054,6 +5788,7 @@ void rasterize_density(const face_table& faces, std::span<const orientation_cell
 // ---- billow/cloud/billboard_cloud.hpp
 // What a plane search finds: planes, the faces on each, and the rectangles that show them.
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -4108,6 +5843,16 @@ struct billboard_cloud {
     [[nodiscard]] part_id part_of(plane_id plane) const noexcept {
         return part_of_plane.empty() ? 0 : part_of_plane[plane];
     }
+    /// The rows of also_drawn for a plane.
+    [[nodiscard]] std::span<const drawn_too> also_drawn_on(plane_id plane) const noexcept {
+        const auto is_before = [plane](const drawn_too& d) { return d.plane < plane; };
+        const auto is_up_to = [plane](const drawn_too& d) { return d.plane <= plane; };
+        const auto all = std::span(also_drawn);
+        const auto begin = std::partition_point(all.begin(), all.end(), is_before);
+        const auto end = std::partition_point(begin, all.end(), is_up_to);
+        return all.subspan(static_cast<std::size_t>(begin - all.begin()),
+                           static_cast<std::size_t>(end - begin));
+    }
     /// The bound for the faces of a plane, scene units.
     [[nodiscard]] double epsilon_of(plane_id plane) const noexcept {
         return parts.empty() ? epsilon : parts[part_of(plane)].epsilon;
@@ -4141,6 +5886,102 @@ private:
     std::vector<std::size_t> begin_;
     std::vector<face_id> faces_;
 };
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/cloud/cracks.hpp
+// How far a cloud tears its mesh apart: the edges whose faces are drawn on different planes.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <tuple>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What a cloud tears. An end of an edge is torn where its two faces draw it more than 1e-6 radii
+/// apart.
+struct cloud_cracks {
+    double edge_length = 0;      ///< of the edges between faces on different planes, scene units
+    double torn_length = 0;      ///< of those, torn at both ends; half of those torn at one
+    double area = 0;             ///< length × mean width of the cracks, scene units squared
+    double width = 0;            ///< of the widest crack, scene units
+    std::size_t edges = 0;       ///< between faces on different planes
+    std::size_t torn_edges = 0;  ///< of those, torn at an end at least
+};
+
+namespace detail {
+
+/// A side of a face, and which vertices it joins.
+struct face_side {
+    std::uint32_t low = 0;  ///< vertex identities
+    std::uint32_t high = 0;
+    face_id face = no_id;
+    std::uint8_t low_corner = 0;
+    std::uint8_t high_corner = 0;
+};
+
+}  // namespace detail
+
+/// Measures the cracks of `cloud` when `drawn` is drawn for its mesh `source`: equal faces, whose
+/// corners may have moved.
+///
+/// Unit    tolerance as of position_ids, scene units.
+/// Needs   `drawn` has the faces of `source`, in the same order.
+/// Gives   sums over the edges of `source`. Where more than two faces meet at an edge, those on
+///         neighbouring planes are compared.
+/// Cost    O(faces log faces).
+[[nodiscard]] inline cloud_cracks measure_cracks(const mesh& source, const billboard_cloud& cloud,
+                                                 const mesh& drawn, double tolerance = 0) {
+    BILLOW_ASSERT(drawn.face_count() == source.face_count());
+    const vertex_identity vertices = position_ids(source, tolerance);
+    std::vector<detail::face_side> sides;
+    sides.reserve(3 * source.face_count());
+    for (face_id face = 0; face < source.face_count(); ++face) {
+        if (cloud.plane_of_face[face] == no_id) continue;
+        for (std::uint8_t k = 0; k < 3; ++k) {
+            const auto next = static_cast<std::uint8_t>((k + 1) % 3);
+            const std::uint32_t a = vertices.id[source.triangles[face][k]];
+            const std::uint32_t b = vertices.id[source.triangles[face][next]];
+            if (a < b) sides.push_back({a, b, face, k, next});
+            if (b < a) sides.push_back({b, a, face, next, k});
+        }
+    }
+    const auto place = [&](const detail::face_side& s) {
+        return std::tuple(s.low, s.high, cloud.plane_of_face[s.face], s.face);
+    };
+    std::sort(sides.begin(), sides.end(),
+              [&](const auto& a, const auto& b) { return place(a) < place(b); });
+
+    const auto drawn_at = [&](face_id face, std::uint8_t corner) {
+        const plane& on = cloud.planes[cloud.plane_of_face[face]];
+        const dvec3 p = dvec3(drawn.positions[drawn.triangles[face][corner]]) - cloud.bounds.centre;
+        return p - on.normal * signed_distance(on, p);
+    };
+    const double least = 1e-6 * cloud.bounds.radius;
+    cloud_cracks cracks;
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+        const detail::face_side& a = sides[i - 1];
+        const detail::face_side& b = sides[i];
+        if (a.low != b.low || a.high != b.high) continue;
+        if (cloud.plane_of_face[a.face] == cloud.plane_of_face[b.face]) continue;
+        const std::array<vec3, 3> corners = source.corners(a.face);
+        const double length =
+            glm::distance(dvec3(corners[a.low_corner]), dvec3(corners[a.high_corner]));
+        const std::array gaps{
+            glm::distance(drawn_at(a.face, a.low_corner), drawn_at(b.face, b.low_corner)),
+            glm::distance(drawn_at(a.face, a.high_corner), drawn_at(b.face, b.high_corner))};
+        const int torn_ends = (gaps[0] > least ? 1 : 0) + (gaps[1] > least ? 1 : 0);
+        ++cracks.edges;
+        cracks.edge_length += length;
+        cracks.torn_edges += torn_ends > 0 ? 1 : 0;
+        cracks.torn_length += length * torn_ends / 2;
+        cracks.area += length * (gaps[0] + gaps[1]) / 2;
+        cracks.width = std::max({cracks.width, gaps[0], gaps[1]});
+    }
+    return cracks;
+}
 
 }  // namespace billow::inline BILLOW_ABI
 // ---- billow/cloud/fit_billboards.hpp
@@ -4181,16 +6022,16 @@ struct rectangle_scratch {
 };
 
 [[nodiscard]] inline billboard fit_billboard(const mesh& mesh, const billboard_cloud& cloud,
-                                             const plane& of, std::span<const face_id> faces,
+                                             plane_id id, std::span<const face_id> mapped,
                                              rectangle_scratch& scratch) {
-    const plane base = canonical(of);
+    const plane base = canonical(cloud.planes[id]);
     const frame local = frame_around(base.normal);
     double low = std::numeric_limits<double>::infinity();
     double high = -low;
     double facing = 0;  // twice the area seen from the front minus that seen from behind
     double total = 0;
     std::size_t count = 0;
-    for (const face_id face : faces) {
+    const auto add = [&](face_id face) {
         std::array<dvec3, 3> p;
         for (std::size_t k = 0; k < 3; ++k) {
             p[k] = local.to_local(dvec3(mesh.corners(face)[k]) - cloud.bounds.centre);
@@ -4201,7 +6042,9 @@ struct rectangle_scratch {
         const dvec3 normal = glm::cross(p[1] - p[0], p[2] - p[0]);
         facing += normal.z;
         total += glm::length(normal);
-    }
+    };
+    for (const face_id face : mapped) add(face);
+    for (const drawn_too& d : cloud.also_drawn_on(id)) add(d.face);
     if (count == 0) low = high = 0;
     const std::size_t corners = convex_hull(std::span(scratch.points).first(count), scratch.hull);
     const oriented_rectangle rectangle =
@@ -4229,11 +6072,11 @@ struct rectangle_scratch {
 }  // namespace detail
 
 /// Lays a rectangle on every plane: the smallest one around the projected vertices of the faces
-/// that are mapped to it. Its front is the side that most of their area faces; where both sides
+/// that are mapped to it or in cloud.also_drawn for it. Its front is the side that most of their area faces; where both sides
 /// weigh the same (difference below 1e-6 of the area), the side away from the centre of the scene.
 /// Corners (0,0), (1,0), (1,1), (0,1) of a billboard are counter-clockwise seen from its front.
 ///
-/// Needs  planes and plane_of_face of `cloud`; one row of plane_of_face a face.
+/// Needs  planes, plane_of_face and also_drawn of `cloud`; one row of plane_of_face a face.
 /// Gives  `cloud.billboards`, one a plane; a plane without faces has zero extents.
 /// Cost   O(faces log faces), parallel over planes.
 inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel threads = {}) {
@@ -4241,7 +6084,9 @@ inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel th
     const faces_of_planes faces(cloud.plane_of_face, cloud.plane_count());
     const auto plane_count = static_cast<plane_id>(cloud.plane_count());
     std::size_t most = 0;
-    for (plane_id i = 0; i < plane_count; ++i) most = std::max(most, faces[i].size());
+    for (plane_id i = 0; i < plane_count; ++i) {
+        most = std::max(most, faces[i].size() + cloud.also_drawn_on(i).size());
+    }
     cloud.billboards.assign(plane_count, {});
 
     std::vector<detail::rectangle_scratch> scratches(threads.count());
@@ -4251,8 +6096,7 @@ inline void fit_billboards(const mesh& mesh, billboard_cloud& cloud, parallel th
     }
     for_jobs(threads, plane_count, scratches, [&](std::size_t job, auto& scratch) {
         const auto id = static_cast<plane_id>(job);
-        cloud.billboards[id] =
-            detail::fit_billboard(mesh, cloud, cloud.planes[id], faces[id], scratch);
+        cloud.billboards[id] = detail::fit_billboard(mesh, cloud, id, faces[id], scratch);
     });
 }
 
@@ -4274,20 +6118,29 @@ struct cloud_errors {
         ///< when every texture is seen frontally, 0.5 for random planes
     std::size_t mapped_faces = 0;
     std::size_t faces_beyond_epsilon = 0;  ///< mapped faces with a vertex farther than epsilon
+    double area_beyond_epsilon_share = 0;  ///< their area, of that of all faces
+    double dropped_area_share = 0;         ///< area of the faces without a plane, of that of all
+    /// Area that the mapped faces have on their planes, of the billboards' area: how much of the
+    /// textures shows something. Above 1 where faces lie over each other; 0 without billboards.
+    double rectangle_use = 0;
 };
 
 /// Measures `cloud` against the mesh that it was made of, in double. Cost O(faces).
 [[nodiscard]] inline cloud_errors measure_errors(const mesh& m, const billboard_cloud& cloud) {
     cloud_errors errors;
     double area_sum = 0;
+    double dropped_area = 0;
     for (face_id face = 0; face < m.face_count(); ++face) {
         const plane_id id = cloud.plane_of_face[face];
-        if (id == no_id) continue;
-        ++errors.mapped_faces;
-        const plane& p = cloud.planes[id];
         const auto [a, b, c] = m.corners(face);
         const dvec3 normal = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)) / 2.0;
         const double area = glm::length(normal);
+        if (id == no_id) {
+            dropped_area += area;
+            continue;
+        }
+        ++errors.mapped_faces;
+        const plane& p = cloud.planes[id];
         double largest = 0;
         double sum = 0;
         for (const vec3& corner : {a, b, c}) {
@@ -4299,9 +6152,19 @@ struct cloud_errors {
         errors.max_error = std::max(errors.max_error, largest);
         errors.mean_error += area * sum / 3;
         errors.projected_area_share += std::abs(glm::dot(p.normal, normal));
-        if (largest > cloud.epsilon_of(id) * (1 + 1e-9)) ++errors.faces_beyond_epsilon;
+        if (largest > cloud.epsilon_of(id) * (1 + 1e-9)) {
+            ++errors.faces_beyond_epsilon;
+            errors.area_beyond_epsilon_share += area;
+        }
         area_sum += area;
     }
+    if (const double all = area_sum + dropped_area; all > 0) {
+        errors.area_beyond_epsilon_share /= all;
+        errors.dropped_area_share = dropped_area / all;
+    }
+    double rectangles = 0;
+    for (const billboard& b : cloud.billboards) rectangles += b.width * b.height;
+    if (rectangles > 0) errors.rectangle_use = errors.projected_area_share / rectangles;
     if (area_sum > 0) {
         errors.mean_error /= area_sum;
         errors.projected_area_share /= area_sum;
@@ -4310,11 +6173,88 @@ struct cloud_errors {
 }
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/cloud/merge.hpp
+// Clouds of parts of a mesh become one cloud.
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Puts clouds of parts of one mesh side by side: the planes of the first, then those of the second …
+/// Each cloud becomes a part with its own epsilon; several parts of one cloud stay several.
+///
+/// Needs   at least one cloud; the same centre and as many rows of plane_of_face in all of them; a
+///         face mapped by one cloud at most.
+/// Gives   a single cloud as it is.
+/// Cost    O(clouds · faces).
+[[nodiscard]] inline billboard_cloud merge_clouds(std::vector<billboard_cloud> clouds) {
+    BILLOW_ASSERT(!clouds.empty());
+    billboard_cloud merged = std::move(clouds.front());
+    if (clouds.size() == 1) return merged;
+    if (merged.parts.empty()) {
+        merged.parts = {{merged.epsilon}};
+        merged.part_of_plane.assign(merged.plane_count(), 0);
+    }
+    for (std::size_t i = 1; i < clouds.size(); ++i) {
+        const billboard_cloud& cloud = clouds[i];
+        BILLOW_ASSERT(cloud.bounds.centre == merged.bounds.centre);
+        BILLOW_ASSERT(cloud.plane_of_face.size() == merged.plane_of_face.size());
+        const auto first_plane = static_cast<plane_id>(merged.plane_count());
+        const auto first_part = static_cast<part_id>(merged.parts.size());
+        merged.bounds.radius = std::max(merged.bounds.radius, cloud.bounds.radius);
+        merged.epsilon = std::max(merged.epsilon, cloud.epsilon);
+        merged.planes.insert(merged.planes.end(), cloud.planes.begin(), cloud.planes.end());
+        merged.billboards.insert(merged.billboards.end(), cloud.billboards.begin(),
+                                 cloud.billboards.end());
+        for (std::size_t face = 0; face < cloud.plane_of_face.size(); ++face) {
+            if (cloud.plane_of_face[face] == no_id) continue;
+            BILLOW_ASSERT(merged.plane_of_face[face] == no_id);
+            merged.plane_of_face[face] = first_plane + cloud.plane_of_face[face];
+        }
+        for (const drawn_too& drawn : cloud.also_drawn) {
+            merged.also_drawn.push_back({first_plane + drawn.plane, drawn.face});
+        }
+        for (plane_id plane = 0; plane < cloud.plane_count(); ++plane) {
+            merged.part_of_plane.push_back(first_part + cloud.part_of(plane));
+        }
+        if (cloud.parts.empty()) {
+            merged.parts.push_back({cloud.epsilon});
+        } else {
+            merged.parts.insert(merged.parts.end(), cloud.parts.begin(), cloud.parts.end());
+        }
+    }
+    return merged;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/search/compact.hpp
+// Compact sets: a plane takes faces that lie together, not islands with empty texels between them.
+//
+// Décoret et al. 2003 ("compact sets"); Luksch, "Implementation of an Improved Billboard Cloud
+// Algorithm", 2009, sections 2.1 and 3.3 ("texture clustering").
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+// ---- billow/search/grouping.hpp
+// Which of the faces that a plane may take it does take: the concept of a grouping.
+
+#include <concepts>
+#include <numeric>
 
 // ---- billow/search/face_sets.hpp
 // Sets of faces that a search works with: those a plane takes, those a bin may take.
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -4353,37 +6293,61 @@ template <class Predicate>
     return rows;
 }
 
-/// The faces whose three corners lie within epsilon of `p`. Source: Luksch 2009, section 2.1.
-[[nodiscard]] inline face_rows faces_valid_for(const face_table& faces, const plane& p,
-                                               double epsilon, parallel threads = {}) {
+namespace detail {
+
+/// The faces whose three corners lie within epsilon of `p` and whose normal's |cosine| with that of
+/// `p` is at least `least_cosine`.
+[[nodiscard]] inline face_rows valid_rows(const face_table& faces, const plane& p, double epsilon,
+                                          float least_cosine, parallel threads) {
     using V = simd::wide;
     const auto fill = [](double value) { return simd::lanes<V>::fill(static_cast<float>(value)); };
     const vec3_lanes<V> normal = fill_lanes<V>(vec3(p.normal));
     const V rho = fill(p.rho);
     const V eps = fill(epsilon);
+    const V least = simd::lanes<V>::fill(least_cosine);
     const V yes = fill(1);
     const V no = fill(0);
     return filter_rows(
         faces,
         [&](const face_lanes<V>& face) {
             const offset_interval<V> valid = valid_offsets(face, normal, eps);
-            return simd::select(valid.low <= rho, simd::select(rho <= valid.high, yes, no), no);
+            const V near =
+                simd::select(valid.low <= rho, simd::select(rho <= valid.high, yes, no), no);
+            return simd::select(simd::abs(dot(face.normal, normal)) >= least, near, no);
         },
         threads);
 }
 
-/// The faces that `estimate` finds valid for some plane of a cell with an offset in
-/// [low, high]: "simple validity". Source: Luksch 2009, section 2.1.
-template <validity<simd::wide> Validity>
+}  // namespace detail
+
+/// The faces whose three corners lie within epsilon of `p`. Source: Luksch 2009, section 2.1.
+[[nodiscard]] inline face_rows faces_valid_for(const face_table& faces, const plane& p,
+                                               double epsilon, parallel threads = {}) {
+    return detail::valid_rows(faces, p, epsilon, 0, threads);
+}
+
+/// Those of them that the contribution policy allows on a plane with that normal: `least_cosine_of`.
+template <contribution<float> Contribution>
+[[nodiscard]] face_rows faces_valid_for(const face_table& faces, const plane& p, double epsilon,
+                                        const Contribution& worth, parallel threads = {}) {
+    return detail::valid_rows(faces, p, epsilon, least_cosine_of(worth), threads);
+}
+
+/// The faces that `estimate` finds valid for some plane of a cell with an offset in [low, high], and
+/// that `worth` may allow on one: "simple validity". Source: Luksch 2009, section 2.1.
+template <validity<simd::wide> Validity, contribution<float> Contribution>
 [[nodiscard]] face_rows faces_valid_for_bin(const face_table& faces, const orientation_cell& cell,
                                             double low, double high, double epsilon,
-                                            const Validity& estimate, parallel threads = {}) {
+                                            const Validity& estimate, const Contribution& worth,
+                                            parallel threads = {}) {
     using V = simd::wide;
     const auto fill = [](double value) { return simd::lanes<V>::fill(static_cast<float>(value)); };
     const cell_lanes<V> lanes(cell);
     const V eps = fill(epsilon);
     const V bin_low = fill(low);
     const V bin_high = fill(high);
+    // |n·f - n_c·f| ≤ |n - n_c|, the chord.
+    const V least = simd::lanes<V>::fill(least_cosine_of(worth) - cell.chord);
     const V yes = fill(1);
     const V no = fill(0);
     return filter_rows(
@@ -4392,9 +6356,18 @@ template <validity<simd::wide> Validity>
             const offset_interval<V> valid = estimate(face, lanes, eps);
             const V from = simd::max(valid.low, bin_low);
             const V to = simd::min(valid.high, bin_high);
-            return simd::select(from <= to, simd::select(valid.low <= valid.high, yes, no), no);
+            const V near =
+                simd::select(from <= to, simd::select(valid.low <= valid.high, yes, no), no);
+            return simd::select(simd::abs(dot(face.normal, lanes.centre)) >= least, near, no);
         },
         threads);
+}
+template <validity<simd::wide> Validity>
+[[nodiscard]] face_rows faces_valid_for_bin(const face_table& faces, const orientation_cell& cell,
+                                            double low, double high, double epsilon,
+                                            const Validity& estimate, parallel threads = {}) {
+    return faces_valid_for_bin(faces, cell, low, high, epsilon, estimate, projected_area{},
+                               threads);
 }
 
 /// Contribution of the given rows to a plane with `normal`, summed in their order in double.
@@ -4409,6 +6382,26 @@ template <contribution<float> Contribution>
     return sum;
 }
 
+/// The same for the plane `p`, each row weighted by the falloff of `p`'s distance from the middle of
+/// its valid offsets, of which half of `spacing` is free. Needs rows that are valid for `p`.
+template <contribution<float> Contribution, falloff<float> Falloff>
+[[nodiscard]] double contribution_of(const face_table& faces, const face_rows& rows, const plane& p,
+                                     const Contribution& worth, const Falloff& weigh,
+                                     double epsilon, double spacing) {
+    const vec3_lanes<float> n = fill_lanes<float>(vec3(p.normal));
+    const auto eps = static_cast<float>(epsilon);
+    double sum = 0;
+    for (const std::uint32_t row : rows) {
+        const face_lanes<float> face = load_faces<float>(faces, row);
+        const offset_interval<float> valid = valid_offsets(face, n, eps);
+        const double middle =
+            (static_cast<double>(valid.low) + static_cast<double>(valid.high)) / 2;
+        const double distance = std::max(0.0, std::abs(p.rho - middle) - spacing / 2);
+        sum += static_cast<double>(worth(face, n) * weigh(static_cast<float>(distance), eps));
+    }
+    return sum;
+}
+
 /// The plane that the face of `row` lies in.
 [[nodiscard]] inline plane supporting_plane(const face_table& faces, std::size_t row) {
     const dvec3 normal = glm::normalize(faces.normal.get(row));
@@ -4416,28 +6409,6 @@ template <contribution<float> Contribution>
 }
 
 }  // namespace billow::inline BILLOW_ABI
-// ---- billow/search/greedy.hpp
-// The original greedy density search.
-//
-// X. Décoret, F. Durand, F. X. Sillion, J. Dorsey: Billboard clouds for extreme model
-// simplification. SIGGRAPH 2003; with the corrections and extensions of C. Luksch: Implementation of
-// an improved billboard cloud algorithm. Thesis, TU Wien 2009, and of Fuhrmann et al. 2005.
-
-#include <algorithm>
-#include <cmath>
-#include <numeric>
-#include <optional>
-#include <vector>
-
-// ---- billow/search/parts.hpp
-// The parts that a plane search is put together from.
-
-// ---- billow/search/grouping.hpp
-// Which of the faces that a plane may take it does take: the concept of a grouping.
-
-#include <concepts>
-#include <numeric>
-
 
 namespace billow::inline BILLOW_ABI {
 
@@ -4465,6 +6436,367 @@ struct whole_set {
 static_assert(face_grouping<whole_set>);
 
 }  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// The rectangle that a face covers on a plane, along the axes of a frame.
+struct face_extent {
+    dvec2 low{0};
+    dvec2 high{0};
+};
+
+[[nodiscard]] inline dvec2 corner_on_plane(const face_table& faces, const frame& axes,
+                                           std::size_t row, std::size_t k) noexcept {
+    const dvec3 corner = faces.corner[k].get(row);
+    return {glm::dot(axes.u, corner), glm::dot(axes.v, corner)};
+}
+
+[[nodiscard]] inline std::vector<face_extent> extents_on_plane(const face_table& faces,
+                                                               const frame& axes,
+                                                               parallel threads) {
+    std::vector<face_extent> extents(faces.size);
+    threads.for_chunks(faces.size, 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            const dvec2 a = corner_on_plane(faces, axes, row, 0);
+            const dvec2 b = corner_on_plane(faces, axes, row, 1);
+            const dvec2 c = corner_on_plane(faces, axes, row, 2);
+            extents[row] = {glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c)};
+        }
+    });
+    return extents;
+}
+
+/// The longer side of the median face's extent. Needs a face.
+[[nodiscard]] inline double median_extent(std::span<const face_extent> extents) {
+    std::vector<double> sides;
+    sides.reserve(extents.size());
+    for (const face_extent& e : extents) {
+        sides.push_back(std::max(e.high.x - e.low.x, e.high.y - e.low.y));
+    }
+    const auto middle = sides.begin() + static_cast<std::ptrdiff_t>(sides.size() / 2);
+    std::nth_element(sides.begin(), middle, sides.end());
+    return *middle;
+}
+
+/// The island of each face, numbered from 0: faces are of one island when a chain of cells that they
+/// occupy, side by side or corner to corner, joins them. A face occupies all cells that its extent
+/// touches. Cost O(faces + cells they occupy); at most ceil(2 · radius / cell + 1)² cells.
+[[nodiscard]] inline std::vector<std::uint32_t> islands_of(std::span<const face_extent> extents,
+                                                           double radius, double cell,
+                                                           std::size_t& island_count) {
+    const int side = static_cast<int>(2 * radius / cell) + 1;
+    const auto column = [&](double at) {
+        return std::clamp(static_cast<int>((at + radius) / cell), 0, side - 1);
+    };
+    const auto id = [&](int x, int y) { return static_cast<std::uint32_t>(y * side + x); };
+    disjoint_sets cells(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    std::vector<char> is_occupied(static_cast<std::size_t>(side) * static_cast<std::size_t>(side));
+    std::vector<std::uint32_t> first_cell;
+    first_cell.reserve(extents.size());
+    for (const face_extent& e : extents) {
+        const int left = column(e.low.x), right = column(e.high.x);
+        const int bottom = column(e.low.y), top = column(e.high.y);
+        first_cell.push_back(id(left, bottom));
+        for (int y = bottom; y <= top; ++y) {
+            for (int x = left; x <= right; ++x) is_occupied[id(x, y)] = 1;
+        }
+    }
+    for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) {
+            if (!is_occupied[id(x, y)]) continue;
+            const auto join = [&](int i, int j) {
+                if (i >= 0 && i < side && j < side && is_occupied[id(i, j)]) {
+                    cells.join(id(x, y), id(i, j));
+                }
+            };
+            join(x + 1, y), join(x - 1, y + 1), join(x, y + 1), join(x + 1, y + 1);
+        }
+    }
+    // Empty cells are sets too: number those of faces only.
+    std::vector<std::uint32_t> number(is_occupied.size(), no_id);
+    std::vector<std::uint32_t> island;
+    island.reserve(extents.size());
+    std::uint32_t count = 0;
+    for (const std::uint32_t at : first_cell) {
+        std::uint32_t& n = number[cells.leader(at)];
+        if (n == no_id) n = count++;
+        island.push_back(n);
+    }
+    island_count = count;
+    return island;
+}
+
+/// A convex outline, and the area of the least rectangle around it.
+struct outline {
+    std::vector<dvec2> hull{};
+    double rectangle = 0;
+};
+
+[[nodiscard]] inline outline outline_of(std::vector<dvec2> points) {
+    outline result{.hull = std::vector<dvec2>(points.size() + 1)};
+    result.hull.resize(convex_hull(points, result.hull));
+    result.rectangle = minimum_rectangle(result.hull).area();
+    return result;
+}
+
+}  // namespace detail
+
+/// Takes the island of most contribution, and others for which a plane of their own would cost more
+/// than the empty texels between. The rest stays for later planes, which may be the same one again.
+///
+/// Two islands share a plane when
+///   (rectangle around both - rectangle of each) · texel_cost < 1,
+/// areas in squares of the radius, so that texel_cost says how many planes an empty area of one
+/// radius squared is worth. With T texels along the diameter that area is T² / 4 texels: at T = 512
+/// and the default, 16,384 empty texels pay for one more plane.
+///
+/// Source: Décoret et al. 2003, who weigh the number of planes against compact textures; Luksch 2009,
+/// section 3.3. Differs: a grid on the plane finds the islands; only the plane at hand is searched
+/// for its heaviest one, not the runners-up, as the thesis advises.
+template <contribution<float> Contribution = projected_area>
+struct heaviest_group {
+    static constexpr bool takes_all = false;
+
+    double texel_cost = 4;  ///< planes a radius squared, ≥ 0; 0 takes every face
+    double cell_faces = 2;  ///< side of a grid cell in median faces, > 0: smaller gaps part nothing
+    double least_cell = 0.05;  ///< side of a grid cell in radii, at least, ≥ 0.01
+    Contribution worth{};      ///< weighs the islands
+
+    /// Cost O(faces log faces), partly parallel.
+    [[nodiscard]] face_rows operator()(const face_table& valid, const plane& p, double,
+                                       parallel threads = {}) const {
+        const frame axes = frame_around(p.normal);
+        const double radius = valid.bounds.radius;
+        face_rows kept(valid.size);
+        std::iota(kept.begin(), kept.end(), 0u);
+        if (valid.size < 2 || !(texel_cost > 0)) return kept;
+
+        const auto extents = detail::extents_on_plane(valid, axes, threads);
+        const double cell =
+            std::max(cell_faces * detail::median_extent(extents), least_cell * radius);
+        std::size_t island_count = 0;
+        const auto island = detail::islands_of(extents, radius, cell, island_count);
+        if (island_count == 1) return kept;
+        const auto is_taken = choose(valid, axes, p, island, island_count);
+        std::erase_if(kept, [&](std::uint32_t row) { return !is_taken[island[row]]; });
+        return kept;
+    }
+
+private:
+    /// The heaviest island, then in order of weight each that costs less here than on its own, until
+    /// no other does.
+    [[nodiscard]] std::vector<char> choose(const face_table& valid, const frame& axes,
+                                           const plane& p, std::span<const std::uint32_t> island,
+                                           std::size_t island_count) const {
+        const vec3_lanes<float> normal = fill_lanes<float>(vec3(p.normal));
+        std::vector<double> weight(island_count);
+        std::vector<std::vector<dvec2>> points(island_count);
+        for (std::size_t row = 0; row < valid.size; ++row) {
+            weight[island[row]] +=
+                static_cast<double>(worth(load_faces<float>(valid, row), normal));
+            for (std::size_t k = 0; k < 3; ++k) {
+                points[island[row]].push_back(detail::corner_on_plane(valid, axes, row, k));
+            }
+        }
+        std::vector<detail::outline> outlines;
+        for (auto& of_island : points) {
+            outlines.push_back(detail::outline_of(std::move(of_island)));
+        }
+        std::vector<std::uint32_t> order(island_count);
+        std::iota(order.begin(), order.end(), 0u);
+        std::ranges::stable_sort(order, std::greater{}, [&](auto i) { return weight[i]; });
+
+        const double plane_worth = valid.bounds.radius * valid.bounds.radius / texel_cost;
+        std::vector<char> is_taken(island_count);
+        is_taken[order[0]] = 1;
+        detail::outline all = outlines[order[0]];
+        for (bool grows = true; grows;) {
+            grows = false;
+            for (const std::uint32_t i : order) {
+                if (is_taken[i]) continue;
+                std::vector<dvec2> both = all.hull;
+                both.insert(both.end(), outlines[i].hull.begin(), outlines[i].hull.end());
+                detail::outline joint = detail::outline_of(std::move(both));
+                if (joint.rectangle - all.rectangle - outlines[i].rectangle < plane_worth) {
+                    is_taken[i] = 1;
+                    all = std::move(joint);
+                    grows = true;
+                }
+            }
+        }
+        return is_taken;
+    }
+};
+static_assert(face_grouping<heaviest_group<>>);
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/fail_safe.hpp
+// A plane for a bin that refinement found none in.
+//
+// Fuhrmann et al. 2005, section 3.3.2; Luksch 2009, section 3.2.
+
+#include <algorithm>
+#include <cstddef>
+#include <numeric>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The row of most area; among equals the first. Needs a face.
+[[nodiscard]] inline std::uint32_t largest_face(const face_table& faces) {
+    const auto largest = std::max_element(faces.area.begin(), faces.area.end());
+    return static_cast<std::uint32_t>(largest - faces.area.begin());
+}
+
+/// The plane that the largest face lies in: it serves at least that face. Needs a face.
+[[nodiscard]] inline plane plane_of_largest_face(const face_table& faces) {
+    return supporting_plane(faces, largest_face(faces));
+}
+
+/// Of the bin's centre plane, the average plane of its faces and the planes of its largest faces,
+/// the one that `remaining` faces contribute most to; among equals the first of these.
+///
+/// Needs   candidates: those of the remaining faces that may be valid in the bin, at least one.
+/// Cost    O(faces · 34), parallel.
+/// Source  Fuhrmann et al. 2005, section 3.3.2; Luksch 2009, section 3.2. Differs: at most 32 faces
+///         are tried, the largest, instead of all.
+template <contribution<float> Contribution>
+[[nodiscard]] plane fail_safe_plane(const face_table& remaining, const face_table& candidates,
+                                    const plane& centre, double epsilon, const Contribution& worth,
+                                    parallel threads = {}) {
+    std::vector<plane> tries{centre, average_fit{}(candidates, centre)};
+    face_rows order(candidates.size);
+    std::iota(order.begin(), order.end(), 0u);
+    const std::size_t count = std::min<std::size_t>(32, order.size());
+    std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
+                      order.end(), [&](std::uint32_t a, std::uint32_t b) {
+                          const float area_a = candidates.area[a];
+                          const float area_b = candidates.area[b];
+                          return area_a != area_b ? area_a > area_b : a < b;
+                      });
+    for (std::size_t i = 0; i < count; ++i) {
+        tries.push_back(supporting_plane(candidates, order[i]));
+    }
+    plane best = tries.front();
+    double most = -1;
+    for (const plane& p : tries) {
+        const double sum = contribution_of(
+            remaining, faces_valid_for(remaining, p, epsilon, worth, threads), p.normal, worth);
+        if (sum > most) most = sum, best = p;
+    }
+    return best;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/greedy.hpp
+// The original greedy density search.
+//
+// X. Décoret, F. Durand, F. X. Sillion, J. Dorsey: Billboard clouds for extreme model
+// simplification. SIGGRAPH 2003; with the corrections and extensions of C. Luksch: Implementation of
+// an improved billboard cloud algorithm. Thesis, TU Wien 2009, and of Fuhrmann et al. 2005.
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+// ---- billow/search/leftovers.hpp
+// What becomes of the faces that a search leaves when it stops before all of them have a plane.
+//
+// Luksch, "Implementation of an Improved Billboard Cloud Algorithm", 2009, section 3.2.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Which planes a skipped face may still join. The planes stay where they are.
+struct skip_limits {
+    double reach = 2;                ///< farthest corner of the face to the plane, epsilons, > 0
+    double least_projection = 0.25;  ///< share of the face's area that the plane must show, [0, 1]:
+                                     ///< less is a smear rather than a face
+};
+
+/// Distances of a face's three corners to a plane, in the unit of the table.
+struct corner_distances {
+    double largest = 0;
+    double sum = 0;
+};
+
+[[nodiscard]] inline corner_distances distances_to(const plane& p, const face_table& faces,
+                                                   std::size_t row) noexcept {
+    corner_distances distances;
+    for (const columns3& corner : faces.corner) {
+        const double distance = std::abs(signed_distance(p, corner.get(row)));
+        distances.largest = std::max(distances.largest, distance);
+        distances.sum += distance;
+    }
+    return distances;
+}
+
+/// For each face the plane for which `cost(plane, row)` is least; among equals the first; no_id where
+/// all costs are infinite. Cost O(faces · planes), parallel.
+template <class Cost>
+[[nodiscard]] std::vector<plane_id> cheapest_planes(const face_table& faces,
+                                                    std::span<const plane> planes, const Cost& cost,
+                                                    parallel threads = {}) {
+    std::vector<plane_id> cheapest(faces.size, no_id);
+    threads.for_chunks(faces.size, 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            double least = std::numeric_limits<double>::infinity();
+            for (plane_id id = 0; id < planes.size(); ++id) {
+                const double c = cost(planes[id], row);
+                if (c < least) least = c, cheapest[row] = id;
+            }
+        }
+    });
+    return cheapest;
+}
+
+/// For each face the plane whose farthest corner of the face is nearest, however far that is.
+[[nodiscard]] inline std::vector<plane_id> planes_of_least_error(const face_table& faces,
+                                                                 std::span<const plane> planes,
+                                                                 parallel threads = {}) {
+    return cheapest_planes(
+        faces, planes,
+        [&](const plane& p, std::size_t row) { return distances_to(p, faces, row).largest; },
+        threads);
+}
+
+/// For each face the nearest plane within the limits, by the sum of its corners' distances; no_id
+/// where there is none.
+///
+/// Source  Luksch 2009, section 3.2: skipped faces go to the nearest plane, far ones are dropped.
+///         Differs by limits where the thesis says "high distance", and by the face's projection.
+[[nodiscard]] inline std::vector<plane_id> nearest_planes_within(const face_table& faces,
+                                                                 std::span<const plane> planes,
+                                                                 double epsilon,
+                                                                 const skip_limits& limits,
+                                                                 parallel threads = {}) {
+    return cheapest_planes(
+        faces, planes,
+        [&](const plane& p, std::size_t row) {
+            const corner_distances d = distances_to(p, faces, row);
+            const bool is_near = d.largest <= limits.reach * epsilon;
+            const bool is_shown =
+                std::abs(glm::dot(p.normal, faces.normal.get(row))) >= limits.least_projection;
+            return is_near && is_shown ? d.sum : std::numeric_limits<double>::infinity();
+        },
+        threads);
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/parts.hpp
+// The parts that a plane search is put together from.
+
 // ---- billow/search/motion.hpp
 // What happens to the vertices of the faces that are left when a plane has been found.
 
@@ -4537,6 +6869,68 @@ pipeline(Space, Policies = {}, Fitter = {}, Grouping = {}, Motion = {})
     -> pipeline<Space, Policies, Fitter, Grouping, Motion>;
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/plane_distribution.hpp
+// Weights of orientations that fall with every plane found, so that planes spread over directions.
+//
+// Luksch, "Implementation of an Improved Billboard Cloud Algorithm", 2009, section 3.3, which gives
+// the idea; the formula and its numbers are ours.
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// How much a plane restrains later planes of similar orientation.
+struct plane_distribution {
+    double strength = 0;  ///< share of the weight that the plane's own orientation loses, [0, 1];
+                          ///< 0: off, 0.3 spreads planes without a need of many more
+    double cutoff_deg = 25;  ///< angle to the plane from which nothing is lost, > 0
+    double floor = 0.2;  ///< no weight falls below this, (0, 1]: parallel walls still get theirs
+};
+
+/// The weight of each row of a density grid: that of a bias, times what the planes so far have left.
+class orientation_weights {
+public:
+    /// One row a cell; a row stands for the cell's centre and its opposite.
+    template <orientation_bias Bias>
+    orientation_weights(std::span<const orientation_cell> cells, const Bias& bias,
+                        const plane_distribution& distribution)
+        : distribution_(distribution), left_(cells.size(), 1.0) {
+        for (const orientation_cell& cell : cells) {
+            normals_.emplace_back(cell.centre);
+            bias_.push_back(bias(normals_.back()));
+        }
+        weights_ = bias_;
+    }
+
+    [[nodiscard]] double operator[](std::size_t row) const noexcept { return weights_[row]; }
+
+    /// Lowers the weights around the plane's normal and its opposite. Cost O(rows).
+    void plane_found(const dvec3& normal) noexcept {
+        if (!(distribution_.strength > 0)) return;
+        for (std::size_t row = 0; row < weights_.size(); ++row) {
+            const double cosine = std::min(std::abs(glm::dot(normals_[row], normal)), 1.0);
+            const double angle_deg = std::acos(cosine) * 180 / std::numbers::pi;
+            const double nearness = std::max(0.0, 1 - angle_deg / distribution_.cutoff_deg);
+            left_[row] =
+                std::max(distribution_.floor, left_[row] * (1 - distribution_.strength * nearness));
+            weights_[row] = bias_[row] * left_[row];
+        }
+    }
+
+private:
+    plane_distribution distribution_;
+    std::vector<dvec3> normals_{};
+    std::vector<double> bias_{};
+    std::vector<double> left_;
+    std::vector<double> weights_{};
+};
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/search/refine.hpp
 // From the densest bin to a plane: refinement.
 //
@@ -4545,7 +6939,10 @@ pipeline(Space, Policies = {}, Fitter = {}, Grouping = {}, Motion = {})
 // plane may lie in a neighbour. So the bin and what surrounds it are split again and again, and the
 // densest part goes on, until its centre serves every face that is left.
 
+#include <limits>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 
@@ -4581,6 +6978,10 @@ struct refine_options {
     /// the published rule; in soups of many small faces some always straddle a bin's border, so that
     /// it costs twelve levels and moves the plane by less than the fitting afterwards.
     double sufficient_share = 1;
+    bool falls = true;  ///< whether the falloff policy counts
+    /// Whether the penalty policy counts too. Fuhrmann et al. 2005 (section 3.2.2) leave it out, since
+    /// planes that slice through foliage are wanted; Décoret et al. 2003 do not.
+    bool penalty_counts = false;
 };
 
 /// A refined plane, and how many times its bin was split.
@@ -4595,65 +6996,96 @@ namespace detail {
 template <plane_space Space, class Policies>
 class bin_splitter {
 public:
-    bin_splitter(const Space& space, const Policies& policies, double epsilon, int per_axis,
-                 parallel threads)
+    bin_splitter(const Space& space, const Policies& policies, double epsilon,
+                 const refine_options& options, parallel threads)
         : space_(space),
           policies_(policies),
           epsilon_(epsilon),
-          per_axis_(per_axis),
+          per_axis_(options.children_per_axis),
+          penalty_counts_(options.penalty_counts),
           threads_(threads) {}
 
     struct child {
         plane_bin bin{};
-        double density = 0;
+        double contribution = 0;
     };
 
-    /// The child of most contribution among `faces`. No penalty: planes that slice through foliage
-    /// are wanted (Fuhrmann et al. 2005, section 3.2.2).
+    /// The child of most density among `faces`; where penalties leave none above 0, that of most
+    /// contribution.
     [[nodiscard]] child densest_child(const face_table& faces, const plane_bin& bin) const {
         const dvec2 half = bin.patch.half_size / 2.0;
         const double spacing = (bin.rho_high - bin.rho_low) / 2;
         std::vector<orientation_patch> patches;
         std::vector<orientation_cell> cells;
+        std::vector<double> weights;
         for (int j = 0; j < per_axis_; ++j) {
             for (int i = 0; i < per_axis_; ++i) {
                 const dvec2 step(2 * i + 1 - per_axis_, 2 * j + 1 - per_axis_);
                 patches.push_back({bin.patch.chart, bin.patch.centre + half * step, half});
                 cells.push_back(cell_of_patch(space_, patches.back()));
+                weights.push_back(
+                    policies_.bias(space_.direction_at(bin.patch.chart, patches.back().centre)));
             }
         }
         const double middle = (bin.rho_low + bin.rho_high) / 2;
         density_grid grid(cells.size(), {middle - spacing * per_axis_ / 2, spacing, per_axis_},
                           density_scale(faces));
-        rasterize_density(
-            faces, std::span<const orientation_cell>(cells),
-            density_policies{policies_.validity, policies_.contribution, no_penalty{}}, epsilon_,
-            grid, density_change::add, threads_);
-        // Where several are fully covered, the one nearest to the middle: the first would drift to
+        rasterize(faces, cells, grid);
+
+        // Where several are worth the same, the one nearest to the middle: the first would drift to
         // the rim of the planes that serve all, where their centres do not.
-        dense_bin best{.density = -1};
-        double nearest = 0;
-        for (std::size_t row = 0; row < grid.row_count(); ++row) {
-            const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
-            grid.for_each_bin(row, [&](int at, std::int64_t contribution, std::int64_t) {
-                const double density = static_cast<double>(contribution) / grid.scale();
-                const double up = 2 * at + 1 - per_axis_;
-                const double distance = glm::dot(aside, aside) + up * up;
-                if (density > best.density || (density == best.density && distance < nearest)) {
-                    best = {row, at, density, density};
-                    nearest = distance;
-                }
-            });
+        const auto densest = [&](const auto& worth) {
+            dense_bin best{.density = -std::numeric_limits<double>::infinity()};
+            double nearest = 0;
+            for (std::size_t row = 0; row < grid.row_count(); ++row) {
+                const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
+                grid.for_each_bin(row, [&](int at, std::int64_t c, std::int64_t p) {
+                    const double contribution = static_cast<double>(c) / grid.scale();
+                    const double density =
+                        worth(row, contribution, static_cast<double>(p) / grid.scale());
+                    const double up = 2 * at + 1 - per_axis_;
+                    const double distance = glm::dot(aside, aside) + up * up;
+                    if (density > best.density || (density == best.density && distance < nearest)) {
+                        best = {row, at, density, contribution};
+                        nearest = distance;
+                    }
+                });
+            }
+            return best;
+        };
+        const double charge = policies_.penalty.weight;
+        dense_bin best = densest([&](std::size_t row, double c, double p) {
+            return c > 0 ? biased(c - charge * p, weights[row])
+                         : -std::numeric_limits<double>::max();
+        });
+        if (best.density <= 0) {
+            best =
+                densest([&](std::size_t row, double c, double) { return biased(c, weights[row]); });
         }
         const double low = grid.axis().origin + best.bin * spacing;
-        return {{patches[best.row], low, low + spacing}, best.density};
+        return {{patches[best.row], low, low + spacing}, best.contribution};
     }
 
 private:
+    void rasterize(const face_table& faces, std::span<const orientation_cell> cells,
+                   density_grid& grid) const {
+        const auto with = [&](const auto& policies) {
+            rasterize_density(faces, cells, policies, epsilon_, grid, density_change::add,
+                              threads_);
+        };
+        if (penalty_counts_) {
+            with(policies_);
+        } else {
+            with(density_policies{policies_.validity, policies_.contribution, no_penalty{},
+                                  policies_.falloff});
+        }
+    }
+
     const Space& space_;
     const Policies& policies_;
     double epsilon_;
     int per_axis_;
+    bool penalty_counts_;
     parallel threads_;
 };
 
@@ -4672,28 +7104,38 @@ template <plane_space Space, class Policies>
                                                   face_table candidates, const Policies& policies,
                                                   double epsilon, const refine_options& options,
                                                   parallel threads = {}) {
-    const detail::bin_splitter splitter(space, policies, epsilon, options.children_per_axis,
-                                        threads);
-    const auto contribution_to = [&](const plane& p) {
-        const face_rows valid = faces_valid_for(candidates, p, epsilon, threads);
-        return std::pair(valid.size(),
-                         contribution_of(candidates, valid, p.normal, policies.contribution));
+    if constexpr (Policies::falls) {
+        if (!options.falls) {
+            return refine(space, bin, std::move(candidates), without_falloff(policies), epsilon,
+                          options, threads);
+        }
+    }
+    const detail::bin_splitter splitter(space, policies, epsilon, options, threads);
+    // As a bin's contribution is: with the falloff where there is one, without penalty and bias.
+    const auto contribution_to = [&](const plane& p, const face_rows& valid) {
+        if constexpr (Policies::falls) {
+            return contribution_of(candidates, valid, p, policies.contribution, policies.falloff,
+                                   epsilon, bin.rho_high - bin.rho_low);
+        } else {
+            return contribution_of(candidates, valid, p.normal, policies.contribution);
+        }
     };
     double promised = std::numeric_limits<double>::infinity();
     for (int level = 0;; ++level) {
         const plane centre = centre_plane(space, bin);
-        const auto [served, contribution] = contribution_to(centre);
-        if (served == candidates.size || contribution >= options.sufficient_share * promised ||
-            level == options.max_levels) {
+        const face_rows valid =
+            faces_valid_for(candidates, centre, epsilon, policies.contribution, threads);
+        if (valid.size() == candidates.size || level == options.max_levels ||
+            contribution_to(centre, valid) >= options.sufficient_share * promised) {
             return refined_plane{centre, level};
         }
         const auto child = splitter.densest_child(candidates, bin);
-        if (child.density <= 0) return std::nullopt;
+        if (child.contribution <= 0) return std::nullopt;
         bin = child.bin;
-        promised = child.density;
-        const face_rows rows =
-            faces_valid_for_bin(candidates, cell_of_patch(space, bin.patch), bin.rho_low,
-                                bin.rho_high, epsilon, widened_centre{}, threads);
+        promised = child.contribution;
+        const face_rows rows = faces_valid_for_bin(
+            candidates, cell_of_patch(space, bin.patch), bin.rho_low, bin.rho_high, epsilon,
+            widened_centre{}, policies.contribution, threads);
         if (rows.empty()) return std::nullopt;
         candidates = select_rows(candidates, rows, threads);
     }
@@ -4708,18 +7150,41 @@ struct greedy_options {
     double rho_rate = 1.5;       ///< offset bins per epsilon, > 0; Luksch 2009: stable from 0.75 on
     std::size_t max_planes = 0;  ///< 0: as many as it takes; else faces that are left join the
                                  ///< plane of least error, which breaks epsilon for them
+    double skip_area = 0;  ///< share of the faces' area, [0, 1): the search ends when less is left;
+                           ///< those faces join a plane within `skipped`, or none
+    double min_contribution = 0;  ///< share of the faces' area, [0, 1): the search ends before a
+                                  ///< plane that would collect less; its faces are skipped too
+    skip_limits skipped{};        ///< where skipped faces may go
+    plane_distribution distribution{};  ///< restrains planes that are parallel to earlier ones
     refinement refine = refinement::fail_safe;
-    int max_levels = 12;          ///< of refinement, > 0
-    double sufficient_share = 1;  ///< refine_options::sufficient_share
+    int max_levels = 12;                 ///< of refinement, > 0
+    double sufficient_share = 1;         ///< refine_options::sufficient_share
+    bool penalty_in_refinement = false;  ///< refine_options::penalty_counts
+    falloff_use falloff = falloff_use::everywhere;
 };
 
 /// What the search did.
 struct greedy_statistics {
-    std::size_t refinement_levels = 0;  ///< sum over the planes
+    std::size_t refined_planes = 0;     ///< planes that refinement found
+    std::size_t refinement_levels = 0;  ///< sum over those planes
     std::size_t fail_safes = 0;         ///< planes that refinement did not find
     std::size_t tweaks = 0;             ///< planes that the fitter moved
     std::size_t degenerate_faces = 0;   ///< set aside: they have no area
-    std::size_t leftover_faces = 0;     ///< joined the plane of least error, see max_planes
+    /// Faces without a plane when max_planes, skip_area or min_contribution ended the search, and
+    /// those of them that found none afterwards: far or edge-on to all planes.
+    std::size_t leftover_faces = 0;
+    std::size_t dropped_faces = 0;
+    /// Shares of the faces' area: of the leftover and the dropped faces, and of the leftover faces
+    /// that joined a plane although a corner is beyond epsilon.
+    double leftover_area_share = 0;
+    double dropped_area_share = 0;
+    double beyond_epsilon_area_share = 0;
+
+    [[nodiscard]] double mean_refinement_level() const noexcept {
+        return refined_planes == 0
+                   ? 0
+                   : static_cast<double>(refinement_levels) / static_cast<double>(refined_planes);
+    }
 };
 
 struct greedy_result {
@@ -4748,28 +7213,31 @@ public:
           epsilon_(
               std::max(options.epsilon - 1e-6 * remaining_.bounds.radius, options.epsilon / 2)),
           rows_(make_rows(space_)),
-          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {
-        for (const orientation_id id : rows_) cells_.push_back(space_.cell(id));
-    }
+          cells_(make_cells()),
+          weights_(cells_, policies_.bias, options.distribution),
+          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {}
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
         result_.cloud.bounds = remaining_.bounds;
         result_.cloud.epsilon = options_.epsilon;
         result_.cloud.plane_of_face.assign(face_count, no_id);
         result_.statistics.degenerate_faces = remaining_.degenerate.size();
-        const double total_area = area_sum();
+        const double total_area = area_of(remaining_);
 
         motion_.start(remaining_, epsilon_);
         change_density(remaining_, density_change::add);
-        while (remaining_.size > 0 && !is_budget_spent()) {
+        double left = 1;
+        while (remaining_.size > 0 && !is_budget_spent() && !(left < options_.skip_area)) {
             plane found = find_plane();
             face_rows taken = faces_taken_by(found);
             tweak(found, taken);
-            group(found, taken);
+            if (collects_too_little(found, taken, total_area)) break;
             emit(found, taken);
-            report(progress, "search", 1 - area_sum() / total_area);
+            left = area_of(remaining_) / total_area;
+            report(progress, "search", 1 - left);
         }
-        assign_leftovers();
+        assign_leftovers(total_area);
+        if (left > 0) report(progress, "search", 1);
         result_.moved = motion_.moved_faces();
         return std::move(result_);
     }
@@ -4787,6 +7255,12 @@ private:
         return rows;
     }
 
+    [[nodiscard]] std::vector<orientation_cell> make_cells() const {
+        std::vector<orientation_cell> cells;
+        for (const orientation_id id : rows_) cells.push_back(space_.cell(id));
+        return cells;
+    }
+
     /// Bins over [-R, R] with a border at 0. Very small epsilons get bins of R / 2048.
     [[nodiscard]] offset_axis make_axis() const {
         constexpr double max_bins = 2048;
@@ -4797,11 +7271,18 @@ private:
     }
 
     [[nodiscard]] std::span<const orientation_cell> cells() const noexcept { return cells_; }
-    [[nodiscard]] double area_sum() const noexcept {
-        return std::accumulate(remaining_.area.begin(), remaining_.area.end(), 0.0);
+    [[nodiscard]] static double area_of(const face_table& faces) noexcept {
+        return std::accumulate(faces.area.begin(), faces.area.end(), 0.0);
     }
     [[nodiscard]] bool is_budget_spent() const noexcept {
         return options_.max_planes != 0 && result_.cloud.planes.size() >= options_.max_planes;
+    }
+    /// Never true for the first plane, so that skipped faces have somewhere to go.
+    [[nodiscard]] bool collects_too_little(const plane& found, const face_rows& taken,
+                                           double total_area) const {
+        return options_.min_contribution > 0 && !result_.cloud.planes.empty() &&
+               contribution_of(remaining_, taken, found.normal, policies_.contribution) <
+                   options_.min_contribution * total_area;
     }
 
     [[nodiscard]] plane find_plane() {
@@ -4809,83 +7290,53 @@ private:
         if (!bin) return plane_of_largest_face(remaining_);
         if (options_.refine == refinement::none) return centre_plane(space_, *bin);
 
-        const face_table candidates = select_rows(
-            remaining_,
-            faces_valid_for_bin(remaining_, cell_of_patch(space_, bin->patch), bin->rho_low,
-                                bin->rho_high, epsilon_, widened_centre{}, threads_),
-            threads_);
+        const face_table candidates =
+            select_rows(remaining_,
+                        faces_valid_for_bin(remaining_, cell_of_patch(space_, bin->patch),
+                                            bin->rho_low, bin->rho_high, epsilon_, widened_centre{},
+                                            policies_.contribution, threads_),
+                        threads_);
         const bool is_original = options_.refine == refinement::original;
         const auto refined = candidates.size == 0
                                  ? std::nullopt
                                  : refine(space_, *bin, candidates, policies_, epsilon_,
                                           {.children_per_axis = is_original ? 6 : 4,
                                            .max_levels = options_.max_levels,
-                                           .sufficient_share = options_.sufficient_share},
+                                           .sufficient_share = options_.sufficient_share,
+                                           .falls = options_.falloff != falloff_use::nowhere,
+                                           .penalty_counts = options_.penalty_in_refinement},
                                           threads_);
         if (refined) {
+            ++result_.statistics.refined_planes;
             result_.statistics.refinement_levels += static_cast<std::size_t>(refined->level);
             return refined->plane;
         }
         ++result_.statistics.fail_safes;
         if (candidates.size == 0) return plane_of_largest_face(remaining_);
         if (is_original) return plane_of_largest_face(candidates);
-        return fail_safe(*bin, candidates);
+        return fail_safe_plane(remaining_, candidates, centre_plane(space_, *bin), epsilon_,
+                               policies_.contribution, threads_);
     }
 
     /// The densest bin; where penalties leave none above 0, that of most contribution; nothing when
-    /// no face is simple-valid anywhere.
+    /// no face is simple-valid anywhere. Biases weigh both (Fuhrmann et al. 2005, section 3.3.5).
     [[nodiscard]] std::optional<plane_bin> find_bin() const {
-        const double weight = policies_.penalty.weight;
+        const double charge = policies_.penalty.weight;
         dense_bin best = densest_bin(
             grid_,
-            [weight](std::size_t, double c, double p) {
-                return c > 0 ? c - weight * p : -std::numeric_limits<double>::max();
+            [&](std::size_t row, double c, double p) {
+                return c > 0 ? biased(c - charge * p, weights_[row])
+                             : -std::numeric_limits<double>::max();
             },
             threads_);
         if (best.density <= 0) {
             best = densest_bin(
-                grid_, [](std::size_t, double c, double) { return c; }, threads_);
+                grid_, [&](std::size_t row, double c, double) { return biased(c, weights_[row]); },
+                threads_);
         }
         if (best.contribution <= 0) return std::nullopt;
         const double low = grid_.axis().origin + best.bin * grid_.axis().spacing;
         return plane_bin{space_.patch(rows_[best.row]), low, low + grid_.axis().spacing};
-    }
-
-    /// Of the bin's centre plane, the average plane of its faces and the planes of its largest
-    /// faces, the one of most contribution. Source: Fuhrmann et al. 2005, section 3.3.2; Luksch
-    /// 2009, section 3.2. Differs: at most 32 faces are tried, the largest, instead of all.
-    [[nodiscard]] plane fail_safe(const plane_bin& bin, const face_table& candidates) const {
-        const plane centre = centre_plane(space_, bin);
-        std::vector<plane> tries{centre, average_fit{}(candidates, centre)};
-        face_rows order(candidates.size);
-        std::iota(order.begin(), order.end(), 0u);
-        const std::size_t count = std::min<std::size_t>(32, order.size());
-        std::partial_sort(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(count),
-                          order.end(), [&](std::uint32_t a, std::uint32_t b) {
-                              const float area_a = candidates.area[a];
-                              const float area_b = candidates.area[b];
-                              return area_a != area_b ? area_a > area_b : a < b;
-                          });
-        for (std::size_t i = 0; i < count; ++i) {
-            tries.push_back(supporting_plane(candidates, order[i]));
-        }
-        plane best = tries.front();
-        double most = -1;
-        for (const plane& p : tries) {
-            const double contribution =
-                contribution_of(remaining_, faces_valid_for(remaining_, p, epsilon_, threads_),
-                                p.normal, policies_.contribution);
-            if (contribution > most) most = contribution, best = p;
-        }
-        return best;
-    }
-
-    [[nodiscard]] static std::uint32_t largest_face(const face_table& faces) {
-        const auto largest = std::max_element(faces.area.begin(), faces.area.end());
-        return static_cast<std::uint32_t>(largest - faces.area.begin());
-    }
-    [[nodiscard]] static plane plane_of_largest_face(const face_table& faces) {
-        return supporting_plane(faces, largest_face(faces));
     }
 
     /// All remaining faces that are valid for the plane, not only those of the bin: re-evaluation
@@ -4900,12 +7351,24 @@ private:
         if (taken.empty()) {  // epsilon is below what floats resolve
             taken.push_back(largest_face(remaining_));
         }
-        return taken;
+        return grouped(found, std::move(taken));
     }
 
     [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
-        face_rows rows = faces_valid_for(remaining_, p, epsilon_, threads_);
+        face_rows rows = faces_valid_for(remaining_, p, epsilon_, policies_.contribution, threads_);
         motion_.keep_allowed(remaining_, p, rows);
+        return rows;
+    }
+
+    /// Those of the faces that the grouping wants on the plane. The others come again later.
+    [[nodiscard]] face_rows grouped(const plane& p, face_rows rows) const {
+        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
+            const face_table faces = select_rows(remaining_, rows, threads_);
+            face_rows wanted = grouping_(faces, p, epsilon_, threads_);
+            BILLOW_ASSERT(!wanted.empty());
+            for (std::uint32_t& row : wanted) row = rows[row];
+            return wanted;
+        }
         return rows;
     }
 
@@ -4917,7 +7380,10 @@ private:
         if (moved == found) return;
         face_rows all(faces.size);
         std::iota(all.begin(), all.end(), 0u);
-        if (faces_valid_for(faces, moved, epsilon_, threads_).size() != faces.size) return;
+        if (faces_valid_for(faces, moved, epsilon_, policies_.contribution, threads_).size() !=
+            faces.size) {
+            return;
+        }
         const auto contribution = [&](const plane& p) {
             return contribution_of(faces, all, p.normal, policies_.contribution);
         };
@@ -4925,25 +7391,14 @@ private:
         face_rows moved_taken = faces_allowed_on(moved);
         if (!std::ranges::includes(moved_taken, taken)) return;
         found = moved;
-        taken = std::move(moved_taken);
+        taken = grouped(moved, std::move(moved_taken));
         ++result_.statistics.tweaks;
-    }
-
-    /// Leaves to later planes what the grouping does not want on this one.
-    void group(const plane& found, face_rows& taken) const {
-        if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
-            const face_rows kept =
-                grouping_(select_rows(remaining_, taken, threads_), found, epsilon_, threads_);
-            BILLOW_ASSERT(!kept.empty());
-            face_rows rows;
-            for (const std::uint32_t row : kept) rows.push_back(taken[row]);
-            taken = std::move(rows);
-        }
     }
 
     void emit(const plane& found, const face_rows& taken) {
         const auto id = static_cast<plane_id>(result_.cloud.planes.size());
         result_.cloud.planes.push_back(canonical(found));
+        weights_.plane_found(found.normal);
         for (const std::uint32_t row : taken) {
             result_.cloud.plane_of_face[remaining_.source[row]] = id;
         }
@@ -4969,28 +7424,39 @@ private:
     }
 
     void change_density(const face_table& faces, density_change change) {
-        rasterize_density(faces, cells(), policies_, epsilon_, grid_, change, threads_);
+        const auto with = [&](const auto& policies) {
+            rasterize_density(faces, cells(), policies, epsilon_, grid_, change, threads_);
+        };
+        if constexpr (std::remove_cvref_t<decltype(policies_)>::falls) {
+            if (options_.falloff != falloff_use::everywhere) {
+                return with(without_falloff(policies_));
+            }
+        }
+        with(policies_);
     }
 
-    /// Gives every face that is left to the plane whose farthest corner of the face is nearest.
-    void assign_leftovers() {
-        result_.statistics.leftover_faces = remaining_.size;
+    /// After max_planes every face keeps a plane; what is skipped goes to the nearest sensible one.
+    void assign_leftovers(double total_area) {
+        if (remaining_.size == 0) return;
         const std::vector<plane>& planes = result_.cloud.planes;
-        threads_.for_chunks(remaining_.size, 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t row = begin; row < end; ++row) {
-                plane_id nearest = no_id;
-                double least = std::numeric_limits<double>::infinity();
-                for (plane_id id = 0; id < planes.size(); ++id) {
-                    double error = 0;
-                    for (const columns3& corner : remaining_.corner) {
-                        error =
-                            std::max(error, std::abs(signed_distance(planes[id], corner.get(row))));
-                    }
-                    if (error < least) least = error, nearest = id;
-                }
-                result_.cloud.plane_of_face[remaining_.source[row]] = nearest;
+        const std::vector<plane_id> plane_of =
+            is_budget_spent() ? planes_of_least_error(remaining_, planes, threads_)
+                              : nearest_planes_within(remaining_, planes, options_.epsilon,
+                                                      options_.skipped, threads_);
+        greedy_statistics& statistics = result_.statistics;
+        statistics.leftover_faces = remaining_.size;
+        for (std::size_t row = 0; row < remaining_.size; ++row) {
+            const double share = static_cast<double>(remaining_.area[row]) / total_area;
+            statistics.leftover_area_share += share;
+            result_.cloud.plane_of_face[remaining_.source[row]] = plane_of[row];
+            if (plane_of[row] == no_id) {
+                ++statistics.dropped_faces;
+                statistics.dropped_area_share += share;
+            } else if (distances_to(planes[plane_of[row]], remaining_, row).largest >
+                       options_.epsilon) {
+                statistics.beyond_epsilon_area_share += share;
             }
-        });
+        }
     }
 
     face_table remaining_;
@@ -5004,6 +7470,7 @@ private:
     double epsilon_;
     std::vector<orientation_id> rows_;
     std::vector<orientation_cell> cells_;
+    orientation_weights weights_;
     density_grid grid_;
     greedy_result result_;
 };
@@ -5036,6 +7503,946 @@ template <class... Parts>
 [[nodiscard]] inline greedy_result greedy_search(face_table faces, std::size_t face_count,
                                                  const greedy_options& options) {
     return greedy_search(std::move(faces), face_count, options, pipeline{});
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/plane_budget.hpp
+// The epsilon that gives a cloud of about so many planes.
+//
+// Our own: Luksch 2009, section 5.2, looks for an epsilon by hand. The number of planes falls about
+// as a power of epsilon, with small steps up and down, so the search runs in logarithms and keeps the
+// best cloud it has seen rather than trust the last one.
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <type_traits>
+#include <utility>
+
+
+namespace billow::inline BILLOW_ABI {
+
+struct plane_budget_options {
+    double first_epsilon = 0.1;   ///< where to start, shares of the radius, within the next two
+    double least_epsilon = 1e-4;  ///< shares of the radius, > 0
+    double most_epsilon = 1;      ///< shares of the radius
+    int max_searches = 10;        ///< > 0
+    double tolerance = 0.02;  ///< share of the planes asked for that may be more or fewer, ≥ 0
+};
+
+/// A result of the search that came closest to the number of planes.
+template <class Result>
+struct budgeted {
+    Result result{};
+    double epsilon = 0;  ///< scene units
+    std::size_t planes = 0;
+    int searches = 0;
+};
+
+/// Searches with one epsilon after the other until the number of planes is right.
+///
+/// `search(epsilon, limit)` gives a result. It may stop as soon as it has more than `limit` planes,
+/// for then the result is of no use. `count(result)` is its number of planes, any number above
+/// `limit` when the search was stopped.
+///
+/// Unit    epsilon and radius in scene units.
+/// Needs   planes > 0, radius > 0. Both calls give the same for the same arguments.
+/// Gives   the result nearest to `planes` of those seen that were not stopped; of two as near the one
+///         with fewer planes. When all were stopped, that of most_epsilon.
+/// Cost    max_searches searches and one more at most; those with too many planes are cut short.
+template <class Search, class Count>
+    requires std::invocable<const Search&, double, std::size_t>
+[[nodiscard]] auto search_for_planes(std::size_t planes, double radius, const Search& search,
+                                     const Count& count, const plane_budget_options& options = {}) {
+    using result_type = std::invoke_result_t<const Search&, double, std::size_t>;
+    BILLOW_ASSERT(planes > 0 && radius > 0 && options.max_searches > 0);
+    const auto wanted = static_cast<double>(planes);
+    const double allowed = options.tolerance * wanted;
+    struct sample {
+        double log_epsilon = 0;
+        double log_planes = 0;
+    };
+    std::optional<sample> many;  // the largest epsilon with too many planes
+    std::optional<sample> few;   // the smallest epsilon with too few
+    std::optional<budgeted<result_type>> best;
+    const double least = std::log(options.least_epsilon);
+    const double most = std::log(options.most_epsilon);
+    double at = std::clamp(std::log(options.first_epsilon), least, most);
+    int searches = 0;
+    while (searches < options.max_searches) {
+        const double epsilon = std::exp(at) * radius;
+        // More planes than this are no better than what there is; as a sample their bound will do.
+        const double best_miss =
+            best ? std::abs(static_cast<double>(best->planes) - wanted) : 2 * wanted + 8;
+        const auto limit = static_cast<std::size_t>(wanted + std::max(best_miss, allowed));
+        result_type result = search(epsilon, limit);
+        const std::size_t found = count(result);
+        ++searches;
+        const double miss = static_cast<double>(found) - wanted;
+        const bool is_better = !best || std::abs(miss) < best_miss ||
+                               (std::abs(miss) == best_miss && found < best->planes);
+        if (is_better && found <= limit) {
+            best = budgeted<result_type>{std::move(result), epsilon, found, searches};
+        }
+        if (std::abs(miss) <= allowed) break;
+        const sample seen{at, std::log(static_cast<double>(std::max<std::size_t>(found, 1)))};
+        (miss > 0 ? many : few) = seen;
+        if ((at == most && miss > 0) || (at == least && miss < 0)) break;
+
+        const double goal = std::log(wanted);
+        if (many && few) {
+            // Between the two on a line, but a fifth of the way off either end: counts are rough,
+            // and those of stopped searches too low.
+            const double width = few->log_epsilon - many->log_epsilon;
+            if (std::abs(width) < 1e-3) break;
+            const double fall = many->log_planes - few->log_planes;
+            const double share = fall > 0 ? (many->log_planes - goal) / fall : 0.5;
+            at = many->log_epsilon + std::clamp(share, 0.2, 0.8) * width;
+        } else {
+            // Planes fall with a power of epsilon of about 1.5; a little farther, to enclose them.
+            const double step = (seen.log_planes - goal) / 1.5;
+            at = std::clamp(at + step * 1.1 + std::copysign(0.05, step), least, most);
+        }
+    }
+    if (!best) {  // every search was stopped
+        const double epsilon = options.most_epsilon * radius;
+        result_type result = search(epsilon, std::numeric_limits<std::size_t>::max() - 1);
+        const std::size_t found = count(result);
+        best = budgeted<result_type>{std::move(result), epsilon, found, 0};
+        ++searches;
+    }
+    best->searches = searches;
+    return *std::move(best);
+}
+
+/// A greedy search for a cloud of about `planes` planes.
+///
+/// Needs   planes > 0; options.max_planes and options.epsilon are not read.
+/// Gives   the cloud, with the epsilon it keeps; no plane for a table without faces.
+/// Cost    that of a few greedy searches, see search_for_planes; holds the faces a second time.
+template <class... Parts>
+[[nodiscard]] budgeted<greedy_result> greedy_search_for_planes(
+    const face_table& faces, std::size_t face_count, std::size_t planes, greedy_options options,
+    const pipeline<Parts...>& parts, parallel threads = {}, const progress_function& progress = {},
+    const plane_budget_options& budget = {}) {
+    double searches_done = 0;
+    const double all = budget.max_searches;
+    const progress_function progress_of_one = [&](std::string_view, double share) {
+        report(progress, "search", (searches_done + share) / all);
+    };
+    const auto search = [&](double epsilon, std::size_t limit) {
+        options.epsilon = epsilon;
+        options.max_planes = limit + 1;
+        greedy_result found =
+            greedy_search(faces, face_count, options, parts, threads, progress_of_one);
+        ++searches_done;
+        return found;
+    };
+    const auto count = [](const greedy_result& found) { return found.cloud.plane_count(); };
+    if (faces.size == 0) {
+        options.epsilon = std::max(faces.bounds.radius, 1.0);
+        return {.result = greedy_search(faces, face_count, options, parts, threads)};
+    }
+    budgeted<greedy_result> best =
+        search_for_planes(planes, faces.bounds.radius, search, count, budget);
+    report(progress, "search", 1);
+    return best;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/search/weld_online.hpp
+// Vertex welding during the search: the vertices of the faces that a plane takes move onto it, and
+// the faces around them are searched as they are then.
+//
+// A. Fuhrmann, E. Umlauf, S. Mantler: Extreme model simplification for forest rendering. Eurographics
+// Workshop on Natural Phenomena 2005, section 3.3.4.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+// ---- billow/search/weld_planes.hpp
+// Where a vertex goes that faces on several planes share: vertex welding.
+//
+// C. Luksch: Implementation of an improved billboard cloud algorithm. Thesis, TU Wien 2009,
+// section 3.3; A. Fuhrmann, E. Umlauf, S. Mantler: Extreme model simplification for forest rendering.
+// Eurographics Workshop on Natural Phenomena 2005, section 3.3.4.
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <span>
+
+
+namespace billow::inline BILLOW_ABI {
+
+enum class weld_kind {
+    none,         ///< vertices stay
+    first,        ///< onto the first plane of the vertex
+    intersection  ///< onto the common intersection of up to three of its planes
+};
+
+struct weld_options {
+    weld_kind kind = weld_kind::none;
+    double min_angle = 15 * std::numbers::pi / 180;  ///< radians; a plane that is turned by less
+        ///< from an earlier one of the vertex is left out; Luksch 2009 gives no number
+    double tolerance = 0;  ///< vertices this close are one, scene units; 0: equal positions only
+};
+
+/// The planes that a vertex is welded to: the first ones of those it is told of.
+class weld_planes {
+public:
+    [[nodiscard]] bool empty() const noexcept { return ids_[0] == no_id; }
+    [[nodiscard]] plane_id first() const noexcept { return ids_[0]; }
+
+    /// Takes plane `id` of `planes`, where there is room for it. Needs options.kind not none.
+    /// Source: Luksch 2009, section 3.3.
+    bool add(std::span<const plane> planes, plane_id id, const weld_options& options) noexcept {
+        const std::size_t most = options.kind == weld_kind::first ? 1 : ids_.size();
+        const double max_cosine = std::cos(options.min_angle);
+        std::size_t count = 0;
+        for (; count < most && ids_[count] != no_id; ++count) {
+            const dvec3& normal = planes[ids_[count]].normal;
+            if (std::abs(glm::dot(normal, planes[id].normal)) > max_cosine) return false;
+        }
+        if (count == most) return false;
+        ids_[count] = id;
+        return true;
+    }
+
+    /// Where the vertex goes: to the nearest point on as many of the planes as it reaches within
+    /// `max_displacement`, of equally many the earliest ones.
+    ///
+    /// Source  Luksch 2009, section 3.3. Differs: where no two planes meet within reach, it goes
+    ///         toward the nearest place where two do. Their projections of a point are apart by its
+    ///         distance to their line times a sine, so no other step closes more of the crack.
+    [[nodiscard]] dvec3 nearest(std::span<const plane> planes, const dvec3& vertex,
+                                double max_displacement) const noexcept {
+        static constexpr std::array<std::array<std::size_t, 3>, 4> tries{
+            {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}};  // 3 is nobody
+        if (empty() || !(max_displacement >= 0)) return vertex;
+        double least = std::numeric_limits<double>::infinity();
+        dvec3 step{0};
+        for (const auto& some : tries) {
+            std::array<plane, 3> chosen;
+            std::size_t count = 0;
+            bool is_known = true;
+            for (const std::size_t i : some) {
+                if (i == ids_.size()) continue;
+                is_known = is_known && ids_[i] != no_id;
+                if (is_known) chosen[count++] = planes[ids_[i]];
+            }
+            if (!is_known) continue;
+            const auto at = nearest_common_point(std::span(chosen).first(count), vertex);
+            if (!at) continue;
+            const double distance = glm::distance(*at, vertex);
+            if (distance <= max_displacement) return *at;
+            if (count == 2 && distance < least) least = distance, step = (*at - vertex) / distance;
+        }
+        // Rounding up would break the promise.
+        if (step != dvec3(0)) return vertex + step * (max_displacement * (1 - 1e-12));
+        const plane& on = planes[first()];
+        const double off = signed_distance(on, vertex);
+        return std::abs(off) <= max_displacement ? vertex - on.normal * off : vertex;
+    }
+
+private:
+    std::array<plane_id, 3> ids_{no_id, no_id, no_id};
+};
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// Moves vertices onto the planes that take their faces, by at most epsilon from where they were.
+///
+/// Needs   a table whose faces ascend, as make_face_table gives it.
+/// Gives   `options.kind` first: onto the first plane, as published. intersection: later planes move
+///         the vertex within the ones that it lies on, if they meet within epsilon. The corners that
+///         faces have in the mesh stay within epsilon of their planes, too.
+/// Cost    O(corners of the faces that a plane takes and of their neighbours) a plane; 100 bytes a
+///         face. A face enters the density once more each time a corner moves.
+/// Source  Fuhrmann et al. 2005, section 3.3.4. Differs: intersection, after Luksch 2009, section
+///         3.3; the area that a face grows to counts only up to that of the largest one.
+class weld_online {
+public:
+    static constexpr bool is_still = false;
+
+    explicit weld_online(const weld_options& options = {.kind = weld_kind::intersection})
+        : options_(options) {
+        BILLOW_ASSERT(options.kind != weld_kind::none);
+    }
+
+    void start(const face_table& faces, double epsilon) {
+        // What floats round is left of epsilon.
+        epsilon_ = epsilon;
+        planes_.clear();
+        max_displacement_ = 0.999 * epsilon;
+        source_ = faces.source;
+        row_of_face_.assign(source_.empty() ? 0 : std::size_t{source_.back()} + 1, no_id);
+        for (std::uint32_t row = 0; row < source_.size(); ++row) row_of_face_[source_[row]] = row;
+        largest_area_ = 0;
+        for (const float area : faces.area) largest_area_ = std::max(largest_area_, double{area});
+        least_area_ = degenerate_area_share * faces.bounds.radius * faces.bounds.radius;
+        least_shift_ = 1e-7 * faces.bounds.radius;
+
+        const vertex_identity vertices = position_ids(faces, options_.tolerance);
+        vertices_.assign(vertices.count, {});
+        corners_.resize(3 * source_.size());
+        original_.resize(3 * source_.size());
+        begin_.assign(vertices.count + 1, 0);
+        for (std::size_t row = 0; row < source_.size(); ++row) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t id = vertices.id[k * source_.size() + row];
+                corners_[3 * row + k] = id;
+                original_[3 * row + k] = faces.corner[k].get(row);
+                ++begin_[id + 1];
+            }
+        }
+        for (std::size_t i = 0; i < vertices.count; ++i) begin_[i + 1] += begin_[i];
+        rows_.resize(corners_.size());
+        std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+        for (std::size_t i = corners_.size(); i-- > 0;) {
+            vertices_[corners_[i]].original = original_[i];
+        }
+        for (std::size_t i = 0; i < corners_.size(); ++i) {
+            vertex& v = vertices_[corners_[i]];
+            v.spread = std::max(v.spread, glm::distance(v.original, original_[i]));
+            rows_[next[corners_[i]]++] = static_cast<std::uint32_t>(i / 3);
+        }
+        for (vertex& v : vertices_) v.position = v.original;
+    }
+
+    void keep_allowed(const face_table& faces, const plane& p, face_rows& rows) const noexcept {
+        std::erase_if(rows, [&](std::uint32_t row) {
+            const std::size_t first = 3 * std::size_t{row_of_face_[faces.source[row]]};
+            for (std::size_t i = first; i < first + 3; ++i) {
+                if (is_moved(i) && std::abs(signed_distance(p, original_[i])) > epsilon_) {
+                    return true;
+                }
+            }
+            return false;
+        });
+    }
+
+    [[nodiscard]] face_rows plane_found(const face_table& faces, const plane& p,
+                                        const face_table& remaining) {
+        const auto id = static_cast<plane_id>(planes_.size());
+        planes_.push_back(p);
+        face_rows moving;
+        for (std::size_t row = 0; row < faces.size; ++row) {
+            const std::size_t first = 3 * std::size_t{row_of_face_[faces.source[row]]};
+            for (std::size_t i = first; i < first + 3; ++i) {
+                vertex& v = vertices_[corners_[i]];
+                if (v.last_plane == id) continue;
+                v.is_torn |= v.last_plane != no_id;
+                v.last_plane = id;
+                if (!v.planes.add(planes_, id, options_)) continue;
+                const dvec3 before = v.position;
+                v.position = v.planes.nearest(planes_, v.original, max_displacement_ - v.spread);
+                if (glm::distance(before, v.position) <= least_shift_) continue;
+                add_rows_around(corners_[i], remaining, moving);
+            }
+        }
+        std::sort(moving.begin(), moving.end());
+        moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
+        return moving;
+    }
+
+    void move(face_table& remaining, const face_rows& rows) const noexcept {
+        for (const std::uint32_t row : rows) {
+            const std::array<dvec3, 3> corners = moved_corners(row_of_face_[remaining.source[row]]);
+            const dvec3 cross = glm::cross(corners[1] - corners[0], corners[2] - corners[0]);
+            const double area = glm::length(cross) / 2;
+            if (area > least_area_) {
+                remaining.set(row, corners, cross / (2 * area), std::min(area, largest_area_));
+            } else {
+                remaining.set(row, corners,
+                              normal_of_line(corners, glm::normalize(remaining.normal.get(row))),
+                              0);
+            }
+        }
+    }
+
+    /// Faces with a corner that lies on several planes.
+    [[nodiscard]] std::vector<moved_face> moved_faces() const {
+        std::vector<moved_face> moved;
+        for (std::uint32_t row = 0; row < source_.size(); ++row) {
+            bool is_torn = false;
+            std::array<dvec3, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t i = 3 * std::size_t{row} + k;
+                const bool moves = vertices_[corners_[i]].is_torn && is_moved(i);
+                corners[k] = moves ? vertices_[corners_[i]].position : original_[i];
+                is_torn |= moves;
+            }
+            if (is_torn) moved.push_back({source_[row], corners});
+        }
+        return moved;
+    }
+
+private:
+    /// Vertices that are one.
+    struct vertex {
+        dvec3 original{0};
+        dvec3 position{0};
+        double spread = 0;  ///< of what the tolerance makes one
+        weld_planes planes{};
+        plane_id last_plane = no_id;
+        bool is_torn = false;  ///< lies on several planes
+    };
+
+    [[nodiscard]] bool is_moved(std::size_t corner) const noexcept {
+        const vertex& v = vertices_[corners_[corner]];
+        return !v.planes.empty() && v.position != original_[corner];
+    }
+    [[nodiscard]] std::array<dvec3, 3> moved_corners(std::uint32_t row) const noexcept {
+        std::array<dvec3, 3> corners;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::size_t i = 3 * std::size_t{row} + k;
+            corners[k] = is_moved(i) ? vertices_[corners_[i]].position : original_[i];
+        }
+        return corners;
+    }
+
+    void add_rows_around(std::uint32_t id, const face_table& remaining, face_rows& to) const {
+        const auto begin = remaining.source.begin();
+        const auto end = remaining.source.end();
+        for (std::size_t i = begin_[id]; i < begin_[id + 1]; ++i) {
+            const face_id face = source_[rows_[i]];
+            const auto found = std::lower_bound(begin, end, face);
+            if (found != end && *found == face) {
+                to.push_back(static_cast<std::uint32_t>(found - begin));
+            }
+        }
+    }
+
+    /// A unit vector across the line that the corners lie on, as near to `wanted` as possible: a face
+    /// without area lies in its supporting plane all the same.
+    [[nodiscard]] static dvec3 normal_of_line(const std::array<dvec3, 3>& corners,
+                                              const dvec3& wanted) noexcept {
+        dvec3 line{0};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const dvec3 side = corners[(k + 1) % 3] - corners[k];
+            if (glm::dot(side, side) > glm::dot(line, line)) line = side;
+        }
+        if (line == dvec3(0)) return wanted;
+        line = glm::normalize(line);
+        const dvec3 across = wanted - line * glm::dot(line, wanted);
+        const double length = glm::length(across);
+        return length > 1e-6 ? across / length : frame_around(line).u;
+    }
+
+    weld_options options_;
+    double epsilon_ = 0;
+    double max_displacement_ = 0;
+    double largest_area_ = 0;
+    double least_area_ = 0;
+    double least_shift_ = 0;
+    std::vector<plane> planes_{};
+    std::vector<face_id> source_{};
+    std::vector<std::uint32_t> row_of_face_{};
+    std::vector<vertex> vertices_{};
+    std::vector<std::uint32_t> corners_{};  ///< the vertex of corner k of row r at 3 r + k
+    std::vector<dvec3> original_{};         ///< in the same order
+    std::vector<std::size_t> begin_{};      ///< of a vertex, in rows_
+    std::vector<std::uint32_t> rows_{};     ///< that a vertex is a corner of
+};
+static_assert(vertex_motion<weld_online>);
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/improve/cardboard.hpp
+// A second billboard across thin ones: without it a stem is flat seen from the side.
+//
+// Fuhrmann, Umlauf, Mantler, "Extreme Model Simplification for Forest Rendering", 2005, section 3.3.6.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+struct cardboard_options {
+    double min_coverage = 0.8;  ///< least area on the cardboard plane, as a share of that on the
+                                ///< primary one; 0: no cardboard planes
+    double min_elongation = 2;  ///< least length of the primary rectangle over its width; 1: any
+    part_id only_part = no_id;  ///< planes of this part only; no_id: of all parts
+};
+
+namespace detail {
+
+/// Looks for the cardboard plane of one primary plane.
+class cardboard_finder {
+public:
+    cardboard_finder(const mesh& drawn, const billboard_cloud& cloud,
+                     const cardboard_options& options)
+        : mesh_(drawn), cloud_(cloud), options_(options) {}
+
+    struct found {
+        plane across{};
+        std::vector<face_id> faces{};  ///< none: no cardboard plane
+    };
+
+    [[nodiscard]] found operator()(plane_id primary, std::span<const face_id> mapped) const {
+        const plane& of = cloud_.planes[primary];
+        const frame local = frame_around(of.normal);
+        std::vector<dvec2> points;
+        points.reserve(3 * mapped.size());
+        dvec2 moment{0};
+        double area = 0;
+        for (const face_id face : mapped) {
+            dvec2 sum{0};
+            for (const dvec3& corner : corners_of(face)) {
+                points.emplace_back(local.to_local(corner));
+                sum += points.back();
+            }
+            const double weight = projected_area(face, of.normal);
+            moment += sum * (weight / 3);
+            area += weight;
+        }
+        if (!(area > 0)) return {};
+        const oriented_rectangle rectangle = minimum_rectangle_of(std::move(points));
+        const auto [shorter, longer] = std::minmax(rectangle.extent.x, rectangle.extent.y);
+        if (longer < options_.min_elongation * shorter) return {};
+
+        found best;
+        double most = options_.min_coverage * area;
+        for (const dvec2& side : {rectangle.axis, rectangle.height_axis()}) {
+            const dvec3 normal = local.u * side.x + local.v * side.y;
+            const plane across = canonical({normal, glm::dot(side, moment / area)});
+            std::vector<face_id> faces = valid_faces(across, mapped, cloud_.epsilon_of(primary));
+            double covered = 0;
+            for (const face_id face : faces) covered += projected_area(face, normal);
+            if (covered >= most && (best.faces.empty() || covered > most) && covered > 0) {
+                most = covered;
+                best = {across, std::move(faces)};
+            }
+        }
+        return best;
+    }
+
+private:
+    [[nodiscard]] std::array<dvec3, 3> corners_of(face_id face) const noexcept {
+        const auto [a, b, c] = mesh_.corners(face);
+        const dvec3& centre = cloud_.bounds.centre;
+        return {dvec3(a) - centre, dvec3(b) - centre, dvec3(c) - centre};
+    }
+    [[nodiscard]] double projected_area(face_id face, const dvec3& normal) const noexcept {
+        const auto [a, b, c] = corners_of(face);
+        return 0.5 * std::abs(glm::dot(normal, glm::cross(b - a, c - a)));
+    }
+    [[nodiscard]] std::vector<face_id> valid_faces(const plane& across,
+                                                   std::span<const face_id> mapped,
+                                                   double epsilon) const {
+        const double radius = cloud_.bounds.radius;
+        std::vector<face_id> valid;
+        for (const face_id face : mapped) {
+            const auto [a, b, c] = corners_of(face);
+            if (!(glm::length(glm::cross(b - a, c - a)) >
+                  2 * degenerate_area_share * radius * radius)) {
+                continue;  // nothing to draw
+            }
+            if (std::max({std::abs(signed_distance(across, a)),
+                          std::abs(signed_distance(across, b)),
+                          std::abs(signed_distance(across, c))}) <= epsilon * (1 + 1e-9)) {
+                valid.push_back(face);
+            }
+        }
+        return valid;
+    }
+
+    const mesh& mesh_;
+    const billboard_cloud& cloud_;
+    const cardboard_options& options_;
+};
+
+}  // namespace detail
+
+/// Adds a cardboard plane to every plane that holds something long and thin. It is perpendicular to
+/// its primary plane, goes through the centroid of the projected faces along an edge of their
+/// rectangle of least area, and shows those of the primary plane's faces that are valid for it, too.
+/// Of the two edges the one is taken whose plane has the larger coverage: the sum of the faces'
+/// projected areas there, over the sum for all faces on the primary plane.
+///
+/// Needs  `drawn` as the cloud was searched in, or with moved vertices; called before
+///        fit_billboards, which gives the new planes their rectangles.
+/// Gives  the number of planes added. They are appended to `cloud.planes`, of the same part as their
+///        primary one; their faces are in `cloud.also_drawn`. No face is mapped to them, and they
+///        reach at most epsilon out of the primary plane on either side.
+/// Cost   O(faces log faces), parallel over planes.
+/// Source Fuhrmann et al. 2005, section 3.3.6. Differs: asks for a least elongation, as coverage
+///        alone also admits lumps within 2 epsilon each way, that look alike from all sides.
+inline std::size_t add_cardboard_planes(const mesh& drawn, billboard_cloud& cloud,
+                                        const cardboard_options& options = {},
+                                        parallel threads = {}) {
+    BILLOW_ASSERT(cloud.plane_of_face.size() == drawn.face_count());
+    if (!(options.min_coverage > 0)) return 0;
+    const std::size_t primaries = cloud.plane_count();
+    const faces_of_planes mapped(cloud.plane_of_face, primaries);
+    const detail::cardboard_finder find(drawn, cloud, options);
+    std::vector<detail::cardboard_finder::found> found(primaries);
+    threads.for_chunks(primaries, 1, [&](std::size_t i, std::size_t) {
+        const auto id = static_cast<plane_id>(i);
+        if (options.only_part == no_id || options.only_part == cloud.part_of(id)) {
+            found[i] = find(id, mapped[id]);
+        }
+    });
+    for (plane_id primary = 0; primary < primaries; ++primary) {
+        if (found[primary].faces.empty()) continue;
+        const auto added = static_cast<plane_id>(cloud.plane_count());
+        cloud.planes.push_back(found[primary].across);
+        if (!cloud.part_of_plane.empty()) cloud.part_of_plane.push_back(cloud.part_of(primary));
+        for (const face_id face : found[primary].faces) cloud.also_drawn.push_back({added, face});
+    }
+    return cloud.plane_count() - primaries;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/improve/drawn_mesh.hpp
+// The mesh that is drawn on a cloud's planes when corners have moved there.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// `source` with the corners of `moved` where they have moved to along the planes of their faces.
+///
+/// Across its plane a corner keeps the distance that it has in `source`. A picture on the plane is
+/// the same for it, but what lay in front of something else still does, and heights above the plane
+/// stay those of the source.
+///
+/// Shape   the faces, materials and images of `source`; a moved face has vertices of its own.
+/// Needs   `moved` around cloud.bounds.centre, each with a plane; one row of plane_of_face a face.
+/// Gives   normals, tangents, uvs and colours as in the source. Where that has no normals and
+///         something has moved, every corner has the normal of its face in the source. Faces may
+///         have lost their area.
+/// Cost    O(vertices + faces), and a copy of the images.
+[[nodiscard]] inline mesh drawn_mesh(const mesh& source, const billboard_cloud& cloud,
+                                     std::span<const moved_face> moved) {
+    if (moved.empty()) return source;
+    const bool is_flat = source.normals.empty();
+    mesh drawn;
+    drawn.triangles = source.triangles;
+    drawn.face_materials = source.face_materials;
+    drawn.materials = source.materials;
+    drawn.images = source.images;
+
+    std::vector<std::uint32_t> origin;  // the vertex of the source that each vertex is made of
+    const auto split = [&](face_id face) {
+        for (int k = 0; k < 3; ++k) {
+            origin.push_back(source.triangles[face][k]);
+            drawn.triangles[face][k] = static_cast<std::uint32_t>(origin.size() - 1);
+        }
+    };
+    if (is_flat) {
+        for (face_id face = 0; face < source.face_count(); ++face) split(face);
+    } else {
+        origin.resize(source.vertex_count());
+        std::iota(origin.begin(), origin.end(), 0u);
+        for (const moved_face& m : moved) split(m.face);
+    }
+    detail::for_each_vertex_column(source, drawn, [&](const auto& from, auto& to) {
+        if (from.empty()) return;
+        to.reserve(origin.size());
+        for (const std::uint32_t vertex : origin) to.push_back(from[vertex]);
+    });
+    if (is_flat) {
+        drawn.normals.reserve(origin.size());
+        for (face_id face = 0; face < source.face_count(); ++face) {
+            const auto [a, b, c] = source.corners(face);
+            const dvec3 cross = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+            const double length = glm::length(cross);
+            const dvec3 normal = length > 0 ? cross / length : dvec3(0, 0, 1);
+            drawn.normals.insert(drawn.normals.end(), 3, vec3(normal));
+        }
+    }
+    for (const moved_face& m : moved) {
+        const plane& on = cloud.planes[cloud.plane_of_face[m.face]];
+        const std::array<vec3, 3> corners = source.corners(m.face);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const dvec3 was = dvec3(corners[k]) - cloud.bounds.centre;
+            const dvec3 is = m.corners[k];
+            const dvec3 at = is + on.normal * glm::dot(on.normal, was - is);
+            drawn.positions[drawn.triangles[m.face][static_cast<glm::length_t>(k)]] =
+                vec3(at + cloud.bounds.centre);
+        }
+    }
+    return drawn;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/improve/envelope.hpp
+// Which faces of other planes reach into what a billboard holds, so that they are drawn there, too.
+//
+// Huang, Novins, Wünsche, "Improved Billboard Clouds for Extreme Model Simplification", 2004, as told
+// by Luksch 2009, section 2.4.
+
+#include <algorithm>
+#include <array>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What is done against cracks between billboards while their textures are drawn.
+enum class crack_reduction {
+    none,     ///< a billboard shows its own faces and others that are valid for its plane
+    envelope  ///< and those that reach into its envelope
+};
+
+/// The box of a billboard: its rectangle times the depths of its mapped faces.
+class billboard_envelope {
+public:
+    /// `scale` shrinks or grows the box about its centre, `slack` then moves its sides outwards.
+    /// Faces are relative to `origin`.
+    billboard_envelope(const billboard& board, const dvec3& origin, double scale, double slack)
+        : axes_{vec3(board.axes.u), vec3(board.axes.v), vec3(board.axes.normal)} {
+        const dvec3 low(0, 0, board.depth_low);
+        const dvec3 high(board.width, board.height, board.depth_high);
+        const dvec3 half = (high - low) * (0.5 * scale) + slack;
+        const dvec3 centre = board.axes.to_local(board.origin - origin) + (low + high) * 0.5;
+        low_ = vec3(centre - half);
+        high_ = vec3(centre + half);
+    }
+
+    /// 1 in the lanes of faces with a corner inside, 0 in the others.
+    template <class V>
+    [[nodiscard]] V reached_by(const face_lanes<V>& face) const noexcept {
+        using lanes = simd::lanes<V>;
+        V reached = lanes::fill(0);
+        for (const vec3_lanes<V>& corner : face.corner) {
+            V outside = lanes::fill(0);  // the farthest way out along an axis
+            for (glm::length_t i = 0; i < 3; ++i) {
+                const V at = dot(corner, fill_lanes<V>(axes_[static_cast<std::size_t>(i)]));
+                outside = simd::max(
+                    outside, simd::max(lanes::fill(low_[i]) - at, at - lanes::fill(high_[i])));
+            }
+            reached = simd::select(outside <= lanes::fill(0), lanes::fill(1), reached);
+        }
+        return reached;
+    }
+
+    /// Whether a sphere around faces leaves room for a corner inside.
+    [[nodiscard]] bool may_meet(const bounding_sphere& sphere) const noexcept {
+        for (glm::length_t i = 0; i < 3; ++i) {
+            const double at = glm::dot(dvec3(axes_[static_cast<std::size_t>(i)]), sphere.centre);
+            if (at + sphere.radius < low_[i] || at - sphere.radius > high_[i]) return false;
+        }
+        return true;
+    }
+
+private:
+    std::array<vec3, 3> axes_;
+    vec3 low_{};
+    vec3 high_{};
+};
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/improve/weld.hpp
+// Vertex welding after the search: vertices that planes tear apart move to where those planes meet.
+//
+// C. Luksch: Implementation of an improved billboard cloud algorithm. Thesis, TU Wien 2009,
+// section 3.3.
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <tuple>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What welding did.
+struct weld_statistics {
+    std::size_t torn_vertices = 0;    ///< on several planes of a part
+    std::size_t moved_vertices = 0;   ///< of those
+    std::size_t welded_vertices = 0;  ///< of those, on all of their planes now
+    double largest_displacement = 0;  ///< scene units
+};
+
+/// The faces that welding moves, by face, around cloud.bounds.centre.
+struct welded_faces {
+    std::vector<moved_face> moved{};
+    weld_statistics statistics{};
+};
+
+namespace detail {
+
+/// One call of weld_faces.
+class welder {
+public:
+    welder(const mesh& source, const billboard_cloud& cloud, std::span<const weld_options> of_parts)
+        : source_(source), cloud_(cloud), of_parts_(of_parts) {}
+
+    [[nodiscard]] welded_faces run() {
+        double tolerance = 0;
+        bool is_asked = false;
+        for (const weld_options& options : of_parts_) {
+            tolerance = std::max(tolerance, options.tolerance);
+            is_asked |= options.kind != weld_kind::none;
+        }
+        if (!is_asked) return {};
+        sort_corners(position_ids(source_, tolerance));
+        for (std::size_t begin = 0, end = 0; begin < corners_.size(); begin = end) {
+            while (end < corners_.size() && is_one(corners_[begin], corners_[end])) ++end;
+            weld(std::span(corners_).subspan(begin, end - begin));
+        }
+        collect();
+        return std::move(result_);
+    }
+
+private:
+    /// A corner of a face: of one vertex, drawn on one plane.
+    struct corner {
+        std::uint32_t vertex = 0;
+        part_id part = 0;
+        plane_id plane = 0;
+        std::size_t place = 0;  ///< 3 · face + k
+    };
+    struct welded_corner {
+        std::size_t place = 0;
+        dvec3 position{0};
+    };
+
+    [[nodiscard]] static bool is_one(const corner& a, const corner& b) noexcept {
+        return a.vertex == b.vertex && a.part == b.part;
+    }
+    [[nodiscard]] const weld_options& options_of(part_id part) const noexcept {
+        return of_parts_[of_parts_.size() == 1 ? 0 : part];
+    }
+    /// Around cloud.bounds.centre.
+    [[nodiscard]] dvec3 position_of(std::size_t place) const noexcept {
+        const uvec3 t = source_.triangles[place / 3];
+        return dvec3(source_.positions[t[static_cast<glm::length_t>(place % 3)]]) -
+               cloud_.bounds.centre;
+    }
+
+    /// By vertex, part and plane; planes are in the order of discovery.
+    void sort_corners(const vertex_identity& vertices) {
+        corners_.reserve(3 * source_.face_count());
+        for (std::size_t place = 0; place < 3 * source_.face_count(); ++place) {
+            const plane_id on = cloud_.plane_of_face[place / 3];
+            if (on == no_id || options_of(cloud_.part_of(on)).kind == weld_kind::none) continue;
+            const uvec3 t = source_.triangles[place / 3];
+            corners_.push_back({vertices.id[t[static_cast<glm::length_t>(place % 3)]],
+                                cloud_.part_of(on), on, place});
+        }
+        std::sort(corners_.begin(), corners_.end(), [](const corner& a, const corner& b) {
+            return std::tie(a.vertex, a.part, a.plane, a.place) <
+                   std::tie(b.vertex, b.part, b.plane, b.place);
+        });
+    }
+
+    /// Moves the vertex that all of `corners` are.
+    void weld(std::span<const corner> corners) {
+        if (corners.front().plane == corners.back().plane) return;
+        ++result_.statistics.torn_vertices;
+        const weld_options& options = options_of(corners.front().part);
+        const dvec3 vertex = position_of(corners.front().place);
+        double spread = 0;  // of what the tolerance makes one
+        weld_planes planes;
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            spread = std::max(spread, glm::distance(vertex, position_of(corners[i].place)));
+            if (i == 0 || corners[i].plane != corners[i - 1].plane) {
+                planes.add(cloud_.planes, corners[i].plane, options);
+            }
+        }
+        const double epsilon = cloud_.epsilon_of(corners.front().plane);
+        const dvec3 at = planes.nearest(cloud_.planes, vertex, epsilon - spread);
+        if (at == vertex && spread == 0) return;
+        ++result_.statistics.moved_vertices;
+        double off = 0;
+        for (const corner& c : corners) {
+            off = std::max(off, std::abs(signed_distance(cloud_.planes[c.plane], at)));
+            welded_.push_back({c.place, at});
+            result_.statistics.largest_displacement = std::max(
+                result_.statistics.largest_displacement, glm::distance(at, position_of(c.place)));
+        }
+        if (off <= 1e-9 * cloud_.bounds.radius) ++result_.statistics.welded_vertices;
+    }
+
+    /// Makes faces of the welded corners.
+    void collect() {
+        std::sort(welded_.begin(), welded_.end(),
+                  [](const auto& a, const auto& b) { return a.place < b.place; });
+        for (const welded_corner& w : welded_) {
+            const auto face = static_cast<face_id>(w.place / 3);
+            if (result_.moved.empty() || result_.moved.back().face != face) {
+                const std::size_t first = w.place - w.place % 3;
+                result_.moved.push_back(
+                    {face, {position_of(first), position_of(first + 1), position_of(first + 2)}});
+            }
+            result_.moved.back().corners[w.place % 3] = w.position;
+        }
+    }
+
+    const mesh& source_;
+    const billboard_cloud& cloud_;
+    std::span<const weld_options> of_parts_;
+    std::vector<corner> corners_{};
+    std::vector<welded_corner> welded_{};
+    welded_faces result_{};
+};
+
+}  // namespace detail
+
+/// Moves every vertex whose faces lie on several planes onto those planes, as far as that is possible
+/// within epsilon. The faces keep their planes.
+///
+/// Shape   `of_parts`: one row a part of the cloud, or one for all. Parts are welded apart.
+/// Unit    positions around cloud.bounds.centre.
+/// Needs   one row of plane_of_face a face of `source`.
+/// Gives   faces with a moved corner. No corner moves by more than the epsilon of its part; corners
+///         of faces without a plane stay.
+/// Cost    O(faces log faces).
+/// Source  Luksch 2009, section 3.3; weld_kind::first is its variant of Fuhrmann et al. 2005.
+///         Differs: planes that do not meet within epsilon are tried in pairs, and see
+///         weld_planes::nearest for pairs that do not.
+[[nodiscard]] inline welded_faces weld_faces(const mesh& source, const billboard_cloud& cloud,
+                                             std::span<const weld_options> of_parts) {
+    BILLOW_ASSERT(cloud.plane_of_face.size() == source.face_count());
+    BILLOW_ASSERT(of_parts.size() == 1 || of_parts.size() == cloud.parts.size());
+    return detail::welder(source, cloud, of_parts).run();
+}
+
+/// A mesh to draw instead of the source, and what was done to it.
+struct welded_mesh {
+    mesh drawn{};
+    weld_statistics statistics{};
+    cloud_cracks before{};
+    cloud_cracks after{};
+};
+
+/// Welds, and measures what that helps. The result is drawn instead of `source`:
+/// `fit_billboards(drawn, cloud); bake_cloud(drawn, *make_face_table(drawn), cloud)`.
+///
+/// Shape, Needs, Cost  as weld_faces, drawn_mesh and measure_cracks.
+[[nodiscard]] inline welded_mesh weld_vertices(const mesh& source, const billboard_cloud& cloud,
+                                               const weld_options& options) {
+    const welded_faces welded = weld_faces(source, cloud, std::span(&options, 1));
+    welded_mesh result{drawn_mesh(source, cloud, welded.moved), welded.statistics, {}, {}};
+    result.before = measure_cracks(source, cloud, source, options.tolerance);
+    result.after = measure_cracks(source, cloud, result.drawn, options.tolerance);
+    return result;
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -5078,6 +8485,7 @@ struct atlas {
     image normal{};
     image occlusion_roughness_metallic{};  ///< RGB, linear
     image emissive{};                      ///< RGB, sRGB
+    image horizon{};  ///< RGBA, linear: the visible sky in scene space, see decode_horizon
 
     [[nodiscard]] int width() const noexcept { return base_color.width; }
     [[nodiscard]] int height() const noexcept { return base_color.height; }
@@ -5123,7 +8531,7 @@ struct pixel_rectangle {
             std::min(in.height(), t.y + t.height + padding) - y};
 }
 
-/// All channels of a pixel but alpha.
+/// All channels of a pixel but the alpha of its colour.
 inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
     for (image* channel :
          {&in.base_color, &in.normal, &in.occlusion_roughness_metallic, &in.emissive}) {
@@ -5131,6 +8539,8 @@ inline void copy_texel(atlas& in, const ivec2& from, const ivec2& to) noexcept {
         const std::uint8_t* source = channel->pixel(from.x, from.y);
         std::copy(source, source + 3, channel->pixel(to.x, to.y));
     }
+    if (in.horizon.empty()) return;
+    std::copy_n(in.horizon.pixel(from.x, from.y), 4, in.horizon.pixel(to.x, to.y));
 }
 
 struct border_scratch {
@@ -5223,9 +8633,10 @@ inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {})
 }  // namespace billow::inline BILLOW_ABI
 // ---- billow/bake/draw_set.hpp
 // Which faces are drawn on each billboard: its own, and every other one that lies close enough to
-// its plane. The latter close cracks between planes.
+// its plane or reaches into its envelope. The latter close cracks between planes.
 //
-// Décoret et al. 2003 and Fuhrmann et al. 2005 draw all faces valid for the plane.
+// Décoret et al. 2003 and Fuhrmann et al. 2005 draw all faces valid for the plane, Huang et al. 2004
+// those in its envelope.
 
 #include <algorithm>
 #include <array>
@@ -5256,6 +8667,38 @@ inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {})
 #include <span>
 #include <vector>
 
+// ---- billow/bake/sky_table.hpp
+// What the leaves and vertices of a mesh see of the sky.
+
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The sky from one place: foliage looks to both sides, all else to one.
+struct sky_view {
+    float open = 1;  ///< visible share of the sky, weighted by the cosine to the normal
+    /// x, y, z: the sum of the directions that see the sky, w: their number, both over the number of
+    /// all directions on the sphere. Sums, so that views can be averaged.
+    vec4 visible{0, 0, 0, 1};
+};
+
+/// Shape  `of_face`: the rows of `views` that the corners of each face see.
+struct sky_table {
+    std::vector<uvec3> of_face{};
+    std::vector<sky_view> views{};
+
+    /// The sky from the point with barycentric `weights` of a face.
+    [[nodiscard]] sky_view at(face_id face, const vec3& weights) const noexcept {
+        const sky_view& a = views[of_face[face].x];
+        const sky_view& b = views[of_face[face].y];
+        const sky_view& c = views[of_face[face].z];
+        return {a.open * weights.x + b.open * weights.y + c.open * weights.z,
+                a.visible * weights.x + b.visible * weights.y + c.visible * weights.z};
+    }
+};
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/bake/texture_sampler.hpp
 // Reading textures as glTF means it: wrap modes, bilinear filter, linear light.
 
@@ -5385,6 +8828,7 @@ struct surface_sample {
     float roughness = 1;
     float metallic = 0;
     vec3 emissive{0};
+    vec4 visible_sky{0, 0, 0, 1};  ///< sky_view::visible
 };
 
 /// How it is decided whether a sample of a face is there.
@@ -5494,6 +8938,10 @@ public:
     surface(const surface&) = delete;
     surface& operator=(const surface&) = delete;
 
+    /// From now on the sky that `sky` says is visible multiplies the occlusion. Needs: it outlives
+    /// this; the table of source().
+    void light_by(const sky_table& sky) noexcept { sky_ = &sky; }
+
     [[nodiscard]] const mesh& source() const noexcept { return mesh_; }
     [[nodiscard]] const material& material_of(face_id face) const noexcept {
         return *materials_[material_row(face)].look;
@@ -5581,6 +9029,11 @@ public:
         if (bound.occlusion) {
             const vec4 value = sampled(bound.occlusion, look.levels[3]);
             sample.occlusion = 1 + m.occlusion_strength * (value.x - 1);
+        }
+        if (sky_ != nullptr) {
+            const sky_view view = sky_->at(look.face, weights);
+            sample.occlusion *= view.open;
+            sample.visible_sky = view.visible;
         }
         sample.emissive = m.emissive;
         if (bound.emissive) sample.emissive *= vec3(sampled(bound.emissive, look.levels[4]));
@@ -5691,6 +9144,7 @@ private:
     }
 
     const mesh& mesh_;
+    const sky_table* sky_ = nullptr;
     std::vector<std::unique_ptr<detail::image_chain>> chains_{};
     std::vector<detail::bound_material> materials_{};
     bool has_vertex_alpha_ = false;
@@ -6046,19 +9500,28 @@ struct draw_target {
     return drawn_face{face, band_of(low.y), band_of(high.y), static_cast<float>(height)};
 }
 
+/// Which faces besides a plane's own are drawn on it.
+struct draw_set_options {
+    double least_cosine = 0;  ///< |cos| of the angle to the plane, of merely valid faces; 2: none
+    crack_reduction cracks = crack_reduction::none;
+    double envelope_scale = 1;  ///< of the box that a corner must be in, about its centre
+};
+
 /// The faces of each billboard, front to back.
 class draw_sets {
 public:
-    /// Faces that reach into the rectangle of a target and are either mapped to its plane, or valid
-    /// for it: all corners within cloud.epsilon, |cos| of the angle between the normals at least
-    /// `least_cosine`.
+    /// Faces that reach into the rectangle of a target and are mapped to its plane, or in
+    /// cloud.also_drawn for it, or valid for it (all corners within its epsilon, not too steep), or
+    /// with crack_reduction::envelope have a corner in its envelope. The last two kinds must be
+    /// mapped to a plane of the same part, or to none in a cloud without parts.
     ///
     /// Needs  `faces` of the mesh that `cloud` was searched in; one target a plane.
     /// Cost   O(faces × planes) vector operations at worst, fewer where neighbours in the mesh are
     ///        neighbours in space; parallel over planes.
     draw_sets(const face_table& faces, const billboard_cloud& cloud,
-              std::span<const draw_target> targets, double least_cosine, parallel threads)
-        : faces_(faces), cloud_(cloud), targets_(targets), least_cosine_(least_cosine) {
+              std::span<const draw_target> targets, const draw_set_options& options,
+              parallel threads)
+        : faces_(faces), cloud_(cloud), targets_(targets), options_(options) {
         bound_blocks();
         const std::size_t planes = targets.size();
         std::vector<std::size_t> counts(planes, 0);
@@ -6096,6 +9559,13 @@ private:
         }
     }
 
+    /// Whether a face may be drawn on a plane that nobody named for it.
+    [[nodiscard]] bool may_share(face_id face, plane_id id) const noexcept {
+        const plane_id home = cloud_.plane_of_face[face];
+        if (home == no_id) return cloud_.parts.empty();
+        return cloud_.part_of(home) == cloud_.part_of(id);
+    }
+
     template <class Visit>
     void sweep(plane_id id, const Visit& visit) const noexcept {
         using V = simd::wide;
@@ -6104,13 +9574,19 @@ private:
         const double rho =
             of.rho + glm::dot(of.normal, cloud_.bounds.centre - faces_.bounds.centre);
         const billboard& board = cloud_.billboards[id];
+        const double slack = 1e-5 * faces_.bounds.radius;
+        const double epsilon_of_plane = cloud_.epsilon_of(id);
         const double reach =
-            std::max({cloud_.epsilon, std::abs(board.depth_low), std::abs(board.depth_high)}) +
-            1e-5 * faces_.bounds.radius;
+            std::max({epsilon_of_plane, std::abs(board.depth_low), std::abs(board.depth_high)}) +
+            slack;
+        const bool has_envelope = options_.cracks == crack_reduction::envelope;
+        const billboard_envelope envelope(board, faces_.bounds.centre, options_.envelope_scale,
+                                          slack);
+        const std::span<const drawn_too> also_drawn = cloud_.also_drawn_on(id);
         const vec3_lanes<V> normal = fill_lanes<V>(vec3(of.normal));
         const V offset = lanes::fill(static_cast<float>(rho));
-        const V epsilon = lanes::fill(static_cast<float>(cloud_.epsilon));
-        const V least_cosine = lanes::fill(static_cast<float>(least_cosine_));
+        const V epsilon = lanes::fill(static_cast<float>(epsilon_of_plane));
+        const V least_cosine = lanes::fill(static_cast<float>(options_.least_cosine));
         for (std::size_t b = 0; b < blocks_.size(); ++b) {
             if (std::abs(glm::dot(of.normal, blocks_[b].centre) - rho) >
                 reach + blocks_[b].radius) {
@@ -6118,7 +9594,8 @@ private:
             }
             const std::size_t begin = b * block_size;
             const std::size_t end = std::min(begin + block_size, faces_.size);
-            std::array<float, block_size> is_valid{};
+            const bool meets_envelope = has_envelope && envelope.may_meet(blocks_[b]);
+            std::array<float, block_size> is_extra{};
             for (std::size_t row = begin; row < end; row += lanes::count) {
                 const face_lanes<V> f = load_faces<V>(faces_, row);
                 V distance = simd::abs(dot(f.corner[0], normal) - offset);
@@ -6126,12 +9603,15 @@ private:
                 distance = simd::max(distance, simd::abs(dot(f.corner[2], normal) - offset));
                 const V cosine = simd::abs(dot(f.normal, normal));
                 const V one = simd::select(distance <= epsilon, lanes::fill(1), lanes::fill(0));
-                lanes::store(is_valid.data() + (row - begin),
-                             simd::select(cosine >= least_cosine, one, lanes::fill(0)));
+                V extra = simd::select(cosine >= least_cosine, one, lanes::fill(0));
+                if (meets_envelope) extra = simd::max(extra, envelope.reached_by(f));
+                lanes::store(is_extra.data() + (row - begin), extra);
             }
             for (std::size_t row = begin; row < end; ++row) {
                 const face_id face = faces_.source[row];
-                if (is_valid[row - begin] != 0 || cloud_.plane_of_face[face] == id) {
+                if (cloud_.plane_of_face[face] == id ||
+                    (is_extra[row - begin] != 0 && may_share(face, id)) ||
+                    std::binary_search(also_drawn.begin(), also_drawn.end(), drawn_too{id, face})) {
                     std::array<dvec3, 3> corners;
                     for (std::size_t k = 0; k < 3; ++k) {
                         corners[k] = faces_.corner[k].get(row) + faces_.bounds.centre;
@@ -6145,11 +9625,398 @@ private:
     const face_table& faces_;
     const billboard_cloud& cloud_;
     std::span<const draw_target> targets_;
-    double least_cosine_;
+    draw_set_options options_;
     std::vector<bounding_sphere> blocks_{};
     std::vector<std::size_t> begin_{};
     std::vector<drawn_face> drawn_{};
 };
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/occlusion.hpp
+// How much of the sky each leaf and vertex sees, and where: rays against the mesh itself.
+//
+// Fuhrmann et al.: Extreme model simplification for forest rendering. Eurographics Workshop on
+// Natural Phenomena 2005, section 3.3.9; after Landis: Production-ready global illumination.
+// SIGGRAPH course notes 2002.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+// ---- billow/bake/sky_sites.hpp
+// Where light is measured: a leaf as a whole, everything else vertex by vertex.
+//
+// Fuhrmann et al.: Extreme model simplification for forest rendering. Eurographics Workshop on
+// Natural Phenomena 2005, section 3.3.9: one value a leaf.
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+using site_id = std::uint32_t;
+
+/// Rows of a face table that are measured together.
+struct sky_patch {
+    std::uint32_t first = 0;  ///< of sky_sites::rows
+    std::uint32_t count = 0;
+    bool is_leaf = false;  ///< all corners are one site; else a single face, a site a corner
+    int rays = 0;
+};
+
+/// Shape  `of_face`: the sites of each face's corners. `rows`: those of the table, patch by patch.
+struct sky_sites {
+    std::vector<uvec3> of_face{};
+    std::vector<std::uint32_t> rows{};
+    std::vector<sky_patch> patches{};
+    std::size_t count = 0;  ///< site 0 is that of faces without area
+};
+
+/// Whether a material is that of leaves, which light passes to both sides.
+[[nodiscard]] inline bool is_foliage(const material& look) noexcept {
+    return look.alpha != alpha_mode::opaque;
+}
+
+namespace detail {
+
+/// The corners at one place whose normals are alike share a site.
+class corner_sites {
+public:
+    corner_sites(std::size_t places, site_id first) : newest_(places, no_id), next_(first) {}
+
+    [[nodiscard]] site_id of(std::uint32_t place, const vec3& normal) {
+        constexpr float alike = 0.9f;  // 26°: an edge to be seen stays one
+        for (std::uint32_t i = newest_[place]; i != no_id; i = entries_[i].before) {
+            if (glm::dot(entries_[i].normal, normal) >= alike) return entries_[i].site;
+        }
+        const auto id = static_cast<std::uint32_t>(entries_.size());
+        entries_.push_back({normal, next_, std::exchange(newest_[place], id)});
+        return next_++;
+    }
+    [[nodiscard]] site_id end() const noexcept { return next_; }
+
+private:
+    struct entry {
+        vec3 normal;
+        site_id site;
+        std::uint32_t before;
+    };
+    std::vector<entry> entries_{};
+    std::vector<std::uint32_t> newest_;
+    site_id next_;
+};
+
+}  // namespace detail
+
+/// Finds the sites of a mesh. A connected component of foliage or of a double-sided material is a
+/// leaf where its diameter is at most `leaf_extent`; otherwise the corners of faces are measured,
+/// those at one place with normals alike together.
+///
+/// Unit   leaf_extent in scene units.      Needs  `faces` is the table of `m`; rays ≥ 1.
+/// Gives  patches of about `rays` rays a site, so that a mesh costs by its leaves and vertices.
+/// Cost   O(faces).
+[[nodiscard]] inline sky_sites find_sky_sites(const mesh& m, const face_table& faces,
+                                              double leaf_extent, int rays) {
+    const mesh_components pieces = find_components(m);
+    const vertex_identity places = position_ids(m);
+    const std::size_t component_count = pieces.components.size();
+    std::vector<char> is_leaf(component_count, 1);
+    for (std::size_t i = 0; i < component_count; ++i) {
+        is_leaf[i] = pieces.components[i].diameter <= leaf_extent ? 1 : 0;
+    }
+    for (face_id face = 0; face < m.face_count(); ++face) {
+        const material& look = m.material_of(face);
+        if (!is_foliage(look) && !look.is_double_sided) is_leaf[pieces.of_face[face]] = 0;
+    }
+
+    sky_sites sites;
+    sites.of_face.assign(m.face_count(), uvec3(0));
+    std::vector<std::uint32_t> rows_of_leaf(component_count, 0);
+    for (const face_id face : faces.source) ++rows_of_leaf[pieces.of_face[face]];
+    std::vector<site_id> site_of_leaf(component_count, 0);
+    std::vector<std::uint32_t> next_row(component_count, 0);
+    site_id next_site = 1;
+    std::uint32_t filled = 0;
+    for (std::size_t i = 0; i < component_count; ++i) {
+        if (is_leaf[i] == 0 || rows_of_leaf[i] == 0) continue;
+        site_of_leaf[i] = next_site++;
+        sites.patches.push_back({filled, rows_of_leaf[i], true, rays});
+        next_row[i] = std::exchange(filled, filled + rows_of_leaf[i]);
+    }
+    sites.rows.resize(faces.size);
+    detail::corner_sites corners(places.count, next_site);
+    for (std::uint32_t row = 0; row < faces.size; ++row) {
+        const face_id face = faces.source[row];
+        const std::uint32_t component = pieces.of_face[face];
+        if (is_leaf[component] != 0) {
+            sites.of_face[face] = uvec3(site_of_leaf[component]);
+            sites.rows[next_row[component]++] = row;
+            continue;
+        }
+        const vec3 flat(faces.normal.get(row));
+        for (int k = 0; k < 3; ++k) {
+            const std::uint32_t vertex = m.triangles[face][k];
+            const vec3& normal = m.normals.empty() ? flat : m.normals[vertex];
+            sites.of_face[face][k] = corners.of(places.id[vertex], normal);
+        }
+        sites.patches.push_back({filled, 1, false, rays});
+        sites.rows[filled++] = row;
+    }
+    sites.count = corners.end();
+
+    // A corner gets a third of the rays of each face around it.
+    std::vector<int> faces_at(sites.count, 0);
+    for (const uvec3& face : sites.of_face) {
+        for (int k = 0; k < 3; ++k) ++faces_at[face[k]];
+    }
+    for (sky_patch& patch : sites.patches) {
+        if (patch.is_leaf) continue;
+        const uvec3 at = sites.of_face[faces.source[sites.rows[patch.first]]];
+        const int fewest = std::min({faces_at[at.x], faces_at[at.y], faces_at[at.z]});
+        patch.rays = std::clamp((3 * rays + fewest - 1) / fewest, 1, rays);
+    }
+    return sites;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+struct occlusion_options {
+    int rays = 64;             ///< a leaf or vertex; noise is about 0.4 / √rays
+    double reach = 0;          ///< what is farther away hides nothing, in radii; 0: everything does
+    double strength = 1;       ///< 0: nothing is darkened, 1: as measured
+    double leaf_extent = 0.2;  ///< largest diameter of a leaf, in radii; 0: no leaves
+    /// Where the sky is: within 90° of it. 0: all around, since an occlusion map tells what the model
+    /// itself hides, and the renderer's light what the ground does.
+    vec3 sky_up{0};
+    std::uint64_t seed = 1;
+};
+
+namespace detail {
+
+/// Sums over rays.
+struct sky_sum {
+    double weight = 0;   ///< of cosines
+    double open = 0;     ///< of cosines of rays that see the sky
+    double visible = 0;  ///< rays that see the sky
+    double sphere = 0;   ///< rays that the whole sphere would have got
+    dvec3 sum{0};        ///< of the directions that see the sky
+
+    void add(const sky_sum& other) noexcept {
+        weight += other.weight;
+        open += other.open;
+        visible += other.visible;
+        sphere += other.sphere;
+        sum += other.sum;
+    }
+    [[nodiscard]] sky_view view() const noexcept {
+        if (!(weight > 0)) return {};
+        return {.open = static_cast<float>(open / weight),
+                .visible = vec4(vec3(sum / sphere), static_cast<float>(visible / sphere))};
+    }
+};
+
+/// One call of see_sky.
+class sky_measurer {
+public:
+    sky_measurer(const surface& look, const face_table& faces, const occlusion_options& options,
+                 parallel threads)
+        : look_(look),
+          faces_(faces),
+          options_(options),
+          threads_(threads),
+          sites_(find_sky_sites(look.source(), faces, options.leaf_extent * faces.bounds.radius,
+                                options.rays)),
+          tree_(faces.size, [&](std::uint32_t row) {
+              return std::array{vec3(faces.corner[0].get(row)), vec3(faces.corner[1].get(row)),
+                                vec3(faces.corner[2].get(row))};
+          }) {
+        near_ = static_cast<float>(1e-5 * faces.bounds.radius);
+        if (options.reach > 0) far_ = static_cast<float>(options.reach * faces.bounds.radius);
+        for (int i = 0; i < options.rays; ++i) {
+            const double angle = 2 * std::numbers::pi * fraction(i * golden);
+            turns_.emplace_back(std::cos(angle), std::sin(angle));
+        }
+    }
+
+    [[nodiscard]] sky_table run() {
+        std::vector<std::array<sky_sum, 3>> sums(sites_.patches.size());
+        threads_.for_chunks(sums.size(), 64, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) sums[i] = measure(i);
+        });
+        std::vector<sky_sum> of_site(sites_.count);
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            const sky_patch& patch = sites_.patches[i];
+            const uvec3 at = sites_.of_face[faces_.source[sites_.rows[patch.first]]];
+            for (int k = 0; k < (patch.is_leaf ? 1 : 3); ++k) {
+                of_site[at[k]].add(sums[i][static_cast<std::size_t>(k)]);
+            }
+        }
+        sky_table table;
+        for (const sky_sum& sum : of_site) {
+            sky_view view = sum.view();
+            view.open = static_cast<float>(1 - options_.strength * (1 - view.open));
+            table.views.push_back(view);
+        }
+        table.of_face = std::move(sites_.of_face);
+        return table;
+    }
+
+private:
+    // Steps of sequences that fill an interval and a square evenly. The latter is Roberts' R2.
+    static constexpr double golden = 0.6180339887498949;
+    static constexpr dvec2 plastic{0.7548776662466927, 0.5698402909980532};
+
+    [[nodiscard]] static double fraction(double x) noexcept { return x - std::floor(x); }
+
+    /// The sums of the patch's corners; a leaf has only the first.
+    [[nodiscard]] std::array<sky_sum, 3> measure(std::size_t id) const noexcept {
+        const sky_patch& patch = sites_.patches[id];
+        const face_id face = faces_.source[sites_.rows[patch.first]];
+        const material& look = look_.material_of(face);
+        if (is_foliage(look)) return cast(patch, 0);
+        std::array<sky_sum, 3> front = cast(patch, 1);
+        if (!look.is_double_sided) return front;
+        // The side that the light reaches: of a body the outside, whichever way its faces turn.
+        const std::array<sky_sum, 3> back = cast(patch, -1);
+        const auto visible = [](const std::array<sky_sum, 3>& of) {
+            return of[0].visible + of[1].visible + of[2].visible;
+        };
+        return visible(back) > visible(front) ? back : front;
+    }
+
+    /// Rays over the half of the sphere on one `side`, ±1, or over all of it, 0.
+    [[nodiscard]] std::array<sky_sum, 3> cast(const sky_patch& patch, int side) const noexcept {
+        std::array<sky_sum, 3> sums{};
+        random_stream random(mix_bits(options_.seed) ^
+                             mix_bits(patch.first * 3u + static_cast<unsigned>(side + 1)));
+        const double lift = random.unit();
+        const double angle = 2 * std::numbers::pi * random.unit();
+        const dvec2 turn(std::cos(angle), std::sin(angle));
+        const dvec2 shift(random.unit(), random.unit());
+        double area = 0;
+        for (std::uint32_t i = 0; i < patch.count; ++i) area += faces_.area[row_of(patch, i)];
+        for (int i = 0; i < patch.rays; ++i) {
+            dvec2 at(fraction(i * plastic.x + shift.x), fraction(i * plastic.y + shift.y));
+            const std::uint32_t row = pick_face(patch, at.x, area);
+            if (at.x + at.y > 1) at = 1.0 - at;
+            const dvec3 weights(1 - at.x - at.y, at.x, at.y);
+            const dvec3 point = faces_.corner[0].get(row) * weights.x +
+                                faces_.corner[1].get(row) * weights.y +
+                                faces_.corner[2].get(row) * weights.z;
+
+            const double height = fraction((i + 0.5) / patch.rays + lift);
+            const double z = side == 0 ? 2 * height - 1 : side * height;
+            const double r = std::sqrt(std::max(0.0, 1 - z * z));
+            const dvec2 t = turns_[static_cast<std::size_t>(i)];
+            const frame axes = frame_around(faces_.normal.get(row));
+            const dvec3 direction = axes.to_scene(
+                {r * (t.x * turn.x - t.y * turn.y), r * (t.x * turn.y + t.y * turn.x), z});
+            const bool is_visible = sees_sky(row, point, direction,
+                                             mix_bits(patch.first) + static_cast<std::uint64_t>(i));
+            for (int k = 0; k < (patch.is_leaf ? 1 : 3); ++k) {
+                const double share = patch.is_leaf ? 1 : weights[k];
+                sky_sum& sum = sums[static_cast<std::size_t>(k)];
+                sum.weight += share * std::abs(z);
+                sum.sphere += share * (side == 0 ? 1 : 2);
+                if (!is_visible) continue;
+                sum.open += share * std::abs(z);
+                sum.visible += share;
+                sum.sum += direction * share;
+            }
+        }
+        return sums;
+    }
+
+    [[nodiscard]] std::uint32_t row_of(const sky_patch& patch, std::uint32_t i) const noexcept {
+        return sites_.rows[patch.first + i];
+    }
+
+    /// The row that the share `at` of the patch's area falls on; `at` becomes the share within it.
+    [[nodiscard]] std::uint32_t pick_face(const sky_patch& patch, double& at,
+                                          double area) const noexcept {
+        double left = at * area;
+        std::uint32_t i = 0;
+        while (i + 1 < patch.count && left >= faces_.area[row_of(patch, i)]) {
+            left -= faces_.area[row_of(patch, i++)];
+        }
+        const std::uint32_t row = row_of(patch, i);
+        at = std::clamp(left / faces_.area[row], 0.0, 1.0);
+        return row;
+    }
+
+    [[nodiscard]] bool sees_sky(std::uint32_t row, const dvec3& point, const dvec3& direction,
+                                std::uint64_t key) const noexcept {
+        const vec3 toward(direction);
+        if (glm::dot(toward, options_.sky_up) < 0) return false;
+        return !tree_.is_blocked({vec3(point), toward, near_, far_},
+                                 [&](std::uint32_t other, float b, float c) {
+                                     return other != row && is_there(other, b, c, key);
+                                 });
+    }
+
+    /// Whether the point of a face is there for the ray `key`: all of one ray see the same holes.
+    [[nodiscard]] bool is_there(std::uint32_t row, float b, float c,
+                                std::uint64_t key) const noexcept {
+        constexpr double samples =
+            256;  // a face's alpha as it looks from afar: its image stays near
+        const face_cover cover = look_.cover_of(faces_.source[row], samples);
+        if (cover.decides == face_cover::rule::always) return true;
+        const auto mixed = [&](const auto& at) {
+            return at[0] * (1 - b - c) + at[1] * b + at[2] * c;
+        };
+        float alpha = cover.factor;
+        if (cover.has_vertex_alpha) alpha *= mixed(cover.vertex_alpha);
+        if (cover.alpha != nullptr) {
+            alpha *= sample_alpha(*cover.alpha, *cover.map, mixed(cover.uvs), cover.is_nearest);
+        }
+        if (cover.decides == face_cover::rule::cutoff) return alpha >= cover.cutoff;
+        return static_cast<double>(alpha) > random_unit(key, row);
+    }
+
+    const surface& look_;
+    const face_table& faces_;
+    const occlusion_options& options_;
+    parallel threads_;
+    sky_sites sites_;
+    ray_tree tree_;
+    float near_ = 0;
+    float far_ = std::numeric_limits<float>::infinity();
+    std::vector<dvec2> turns_{};
+};
+
+}  // namespace detail
+
+/// Measures which share of the sky the leaves and vertices of a mesh see past its own faces. Rays go
+/// out evenly, from points spread over the faces. Alpha is looked at, so light falls through holes.
+///
+/// - Foliage: the mean over both sides, as light that falls on one shines through to the other.
+/// - Other faces: their front; where they are double-sided the side that sees more, so that the
+///   inside of a closed body does not count.
+///
+/// A leaf has one value, everything else one a vertex (see find_sky_sites).
+///
+/// Needs  `faces` is the table of look.source(); rays ≥ 1.
+/// Gives  the same for any number of threads.
+/// Cost   O(rays × (leaves + vertices) × log faces), parallel.
+/// Source Fuhrmann et al. 2005, section 3.3.9. Differs: `open` is weighted by the cosine, as the
+///        occlusion of glTF means it; sky_view::visible.w is their percentage.
+[[nodiscard]] inline sky_table see_sky(const surface& look, const face_table& faces,
+                                       const occlusion_options& options = {},
+                                       parallel threads = {}) {
+    BILLOW_ASSERT(options.rays >= 1 && options.leaf_extent >= 0 && options.reach >= 0);
+    return detail::sky_measurer(look, faces, options, threads).run();
+}
 
 }  // namespace billow::inline BILLOW_ABI
 // ---- billow/bake/pack.hpp
@@ -6450,6 +10317,52 @@ private:
 #include <algorithm>
 #include <array>
 
+// ---- billow/bake/horizon.hpp
+// The sky that a point sees, compressed to a cone: which directions light comes from.
+//
+// Fuhrmann et al. 2005, section 3.3.9, bake a "compressed horizon" that they do not define. Here it is
+// a bent normal and a cone, as in Klehm et al.: Bent normals and cones in screen-space. VMV 2011.
+
+#include <array>
+#include <cstdint>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The directions l with dot(l, axis) > cosine.
+struct horizon_cone {
+    vec3 axis{0};       ///< unit length; 0 where no direction is better than another
+    float cosine = -1;  ///< of the angle between axis and edge: -1 the whole sky, 1 none
+
+    /// Whether light from the direction `l`, unit length, arrives.
+    [[nodiscard]] bool is_lit(const vec3& l) const noexcept { return glm::dot(l, axis) > cosine; }
+};
+
+/// The cone around the mean visible direction that is as large as what is visible, so that over all
+/// directions as much light arrives. `visible` is sky_view::visible, or a mean of several.
+///
+/// Source  Klehm et al. 2011. Differs: they take the angle from the length of the mean direction,
+///         which would open the cone for light that comes in from two opposite sides.
+[[nodiscard]] inline horizon_cone cone_of(const vec4& visible) noexcept {
+    const vec3 sum(visible);
+    const float length = glm::length(sum);
+    // A cone of angle θ is (1 - cos θ) / 2 of the sphere.
+    return {length > 1e-4f ? sum / length : vec3(0), 1 - 2 * visible.w};
+}
+
+/// Four bytes: axis · 0.5 + 0.5 and cosine · 0.5 + 0.5.
+[[nodiscard]] inline std::array<std::uint8_t, 4> encode_horizon(const horizon_cone& cone) noexcept {
+    return {byte_from_unit(cone.axis.x * 0.5f + 0.5f), byte_from_unit(cone.axis.y * 0.5f + 0.5f),
+            byte_from_unit(cone.axis.z * 0.5f + 0.5f), byte_from_unit(cone.cosine * 0.5f + 0.5f)};
+}
+/// The cone of a texel, as a shader reads it: axis to within 1°, cosine to within 0.004.
+[[nodiscard]] inline horizon_cone decode_horizon(const std::uint8_t* texel) noexcept {
+    const vec4 value = vec4(texel[0], texel[1], texel[2], texel[3]) * (2.0f / 255.0f) - 1.0f;
+    const float length = glm::length(vec3(value));
+    return {length > 0.5f ? vec3(value) / length : vec3(0), value.w};
+}
+
+}  // namespace billow::inline BILLOW_ABI
 
 namespace billow::inline BILLOW_ABI {
 
@@ -6478,6 +10391,7 @@ public:
         sum_.roughness += sample.roughness * weight;
         sum_.metallic += sample.metallic * weight;
         sum_.emissive += sample.emissive * weight;
+        sum_.visible_sky += sample.visible_sky * weight;
         weight_ += weight;
     }
     /// Needs a sample. Normals that cancel out give `front`.
@@ -6489,7 +10403,8 @@ public:
                 .occlusion = sum_.occlusion * scale,
                 .roughness = sum_.roughness * scale,
                 .metallic = sum_.metallic * scale,
-                .emissive = sum_.emissive * scale};
+                .emissive = sum_.emissive * scale,
+                .visible_sky = sum_.visible_sky * scale};
     }
 
 private:
@@ -6498,7 +10413,8 @@ private:
                         .occlusion = 0,
                         .roughness = 0,
                         .metallic = 0,
-                        .emissive = vec3(0)};
+                        .emissive = vec3(0),
+                        .visible_sky = vec4(0)};
     float weight_ = 0;
 };
 
@@ -6560,6 +10476,10 @@ inline void write_texel(atlas& to, const tile& t, const frame& axes, int x, int 
     orm[2] = byte_from_unit(look.metallic);
     std::uint8_t* emissive = to.emissive.pixel(at.x, at.y);
     for (int c = 0; c < 3; ++c) emissive[c] = srgb_byte_from_linear(look.emissive[c]);
+    if (!to.horizon.empty()) {
+        const auto cone = encode_horizon(cone_of(look.visible_sky));
+        std::copy(cone.begin(), cone.end(), to.horizon.pixel(at.x, at.y));
+    }
 }
 
 }  // namespace billow::inline BILLOW_ABI
@@ -6575,6 +10495,13 @@ struct bake_options {
     double max_extra_angle = 75 * std::numbers::pi / 180;  ///< radians between a plane and other
                                                            ///< valid faces drawn on it; 0: none
     coverage_thresholds thresholds{};
+    std::vector<coverage_thresholds> part_thresholds{};  ///< one a part; none: `thresholds` for all
+    crack_reduction cracks = crack_reduction::none;
+    occlusion_options occlusion{.rays = 0};  ///< darkens what sees little sky; no rays: nothing
+    bool with_horizon = false;               ///< atlas::horizon, measured by the same rays
+    double envelope_scale =
+        1;  ///< size of the boxes that faces must reach into, above 0 to 1: less
+            ///< is drawn where it does not belong, more cracks stay
 };
 
 /// Enlarges every billboard about its centre to whole texels, at least one each way. Its texel
@@ -6610,6 +10537,7 @@ public:
         choose_texel_size();
         snap_to_texels(cloud_, baked_.texel_size);
         place_tiles();
+        measure_sky();
         draw_tiles();
         report(progress_, "bake", 0.9);
         ensure_every_tile_shows();
@@ -6670,6 +10598,9 @@ private:
             baked_.atlases.push_back(
                 {image::filled(size.x, size.y, 4, 0), image::filled(size.x, size.y, 3, 0),
                  image::filled(size.x, size.y, 3, 0), image::filled(size.x, size.y, 3, 0)});
+            if (options_.with_horizon) {
+                baked_.atlases.back().horizon = image::filled(size.x, size.y, 4, 0);
+            }
             atlas_area += static_cast<double>(size.x) * size.y;
         }
         for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -6679,6 +10610,12 @@ private:
             tile_area += static_cast<double>(size.x) * size.y;
         }
         baked_.fill = atlas_area > 0 ? tile_area / atlas_area : 0;
+    }
+
+    void measure_sky() {
+        if (options_.occlusion.rays == 0) return;
+        sky_ = see_sky(look_, faces_, options_.occlusion, threads_);
+        look_.light_by(sky_);
     }
 
     void draw_tiles() {
@@ -6694,9 +10631,10 @@ private:
             for (int band = 0; band * band_height < size.y; ++band) jobs_.push_back({id, band});
         }
         results_.resize(jobs_.size());
-        const double least_cosine =
-            options_.max_extra_angle > 0 ? std::cos(options_.max_extra_angle) : 2;
-        const draw_sets sets(faces_, cloud_, targets_, least_cosine, threads_);
+        const draw_set_options extras{
+            options_.max_extra_angle > 0 ? std::cos(options_.max_extra_angle) : 2, options_.cracks,
+            options_.envelope_scale};
+        const draw_sets sets(faces_, cloud_, targets_, extras, threads_);
         report(progress_, "bake", 0.05);
 
         std::vector<job_scratch> scratches(
@@ -6718,6 +10656,11 @@ private:
         }
     }
 
+    [[nodiscard]] const coverage_thresholds& thresholds_of(plane_id id) const noexcept {
+        return options_.part_thresholds.empty() ? options_.thresholds
+                                                : options_.part_thresholds[cloud_.part_of(id)];
+    }
+
     [[nodiscard]] job_result draw_band(const job& j, std::span<const drawn_face> faces,
                                        job_scratch& scratch) noexcept {
         const int s = options_.supersample;
@@ -6734,12 +10677,13 @@ private:
             }
         }
         scratch.shader.start(target.view);
+        const coverage_thresholds& thresholds = thresholds_of(j.plane);
         const tile& t = baked_.tiles[j.plane];
         job_result result;
         for (int y = first; y < last; ++y) {
             for (int x = 0; x < target.columns / s; ++x) {
                 const texel value = resolve_texel(scratch.buffer, scratch.shader, look_, x, y, s,
-                                                  options_.thresholds, vec3(board.axes.normal));
+                                                  thresholds, vec3(board.axes.normal));
                 if (value.samples == 0) continue;
                 write_texel(baked_.atlases[t.atlas], t, board.axes, x, y, value);
                 result.has_opaque |= value.is_opaque;
@@ -6764,13 +10708,7 @@ private:
                 total.best = results_[i].best;
             }
         }
-        std::vector<std::size_t> largest_row(of_plane.size(), no_id);
-        for (std::size_t row = 0; row < faces_.size; ++row) {
-            const plane_id plane = cloud_.plane_of_face[faces_.source[row]];
-            if (plane == no_id) continue;
-            std::size_t& largest = largest_row[plane];
-            if (largest == no_id || faces_.area[row] > faces_.area[largest]) largest = row;
-        }
+        const std::vector<std::size_t> largest_row = largest_rows();
         for (plane_id id = 0; id < of_plane.size(); ++id) {
             if (of_plane[id].has_opaque) continue;
             const tile& t = baked_.tiles[id];
@@ -6781,6 +10719,27 @@ private:
                 draw_centre(id, largest_row[id]);
             }
         }
+    }
+
+    /// The row of the largest face of each plane, among those that are drawn there by right.
+    [[nodiscard]] std::vector<std::size_t> largest_rows() const {
+        std::vector<std::size_t> largest_row(cloud_.plane_count(), no_id);
+        std::vector<std::size_t> row_of_face(cloud_.plane_of_face.size(), no_id);
+        const auto consider = [&](plane_id plane, std::size_t row) {
+            std::size_t& largest = largest_row[plane];
+            if (largest == no_id || faces_.area[row] > faces_.area[largest]) largest = row;
+        };
+        for (std::size_t row = 0; row < faces_.size; ++row) {
+            const face_id face = faces_.source[row];
+            row_of_face[face] = row;
+            if (const plane_id plane = cloud_.plane_of_face[face]; plane != no_id) {
+                consider(plane, row);
+            }
+        }
+        for (const drawn_too& d : cloud_.also_drawn) {
+            if (const std::size_t row = row_of_face[d.face]; row != no_id) consider(d.plane, row);
+        }
+        return largest_row;
     }
 
     void draw_centre(plane_id id, std::size_t row) {
@@ -6825,6 +10784,7 @@ private:
     parallel threads_;
     const progress_function& progress_;
     surface look_;
+    sky_table sky_{};
     baked_cloud baked_{};
     std::vector<draw_target> targets_{};
     std::vector<job> jobs_{};
@@ -6834,8 +10794,8 @@ private:
 }  // namespace detail
 
 /// Draws the textures of a cloud's billboards and packs them into atlases. Each billboard shows its
-/// mapped faces and all others that are valid for its plane, seen from its front, within the depth
-/// of the mapped ones.
+/// mapped and also-drawn faces and all others of its part that are valid for its plane or, if wanted,
+/// reach into its envelope, seen from its front, within the depth of the first two kinds.
 ///
 /// Needs  `faces` is the table of `source`; billboards as fit_billboards gives them.
 /// Gives  tiles and atlases; `cloud.billboards` are enlarged to whole texels, so that every texel
@@ -6851,9 +10811,13 @@ private:
                                             const progress_function& progress = {}) {
     BILLOW_ASSERT(cloud.billboards.size() == cloud.plane_count());
     BILLOW_ASSERT(cloud.plane_of_face.size() == source.face_count());
+    BILLOW_ASSERT(!options.with_horizon || options.occlusion.rays > 0);
     BILLOW_ASSERT(options.texels > 0 && options.padding >= 0);
     BILLOW_ASSERT(options.supersample >= 1 && options.supersample <= max_supersample);
     BILLOW_ASSERT(options.max_atlas > 2 * options.padding + 4);
+    BILLOW_ASSERT(options.envelope_scale > 0 && options.envelope_scale <= 1);
+    BILLOW_ASSERT(options.part_thresholds.empty() ||
+                  options.part_thresholds.size() >= cloud.parts.size());
     return detail::cloud_baker(source, cloud, faces, options, threads, progress).run();
 }
 
@@ -7079,10 +11043,17 @@ struct picture_scratch {
 // ---- billow/pipeline.hpp
 // A mesh in, a billboard cloud with its textures out, in one call.
 
-#include <chrono>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
+
+// ---- billow/pipeline/build_result.hpp
+// What build_cloud is asked for and what it gives.
+
+#include <cstdint>
+#include <vector>
 
 
 namespace billow::inline BILLOW_ABI {
@@ -7107,22 +11078,363 @@ struct tolerance {
 struct build_options {
     tolerance epsilon = tolerance::of_radius(0.1);  ///< largest distance of a vertex to its plane
     greedy_options search{};                        ///< its own epsilon is not read
+    std::size_t planes = 0;  ///< 0: as many as epsilon asks for; else epsilon, where the search
+                             ///< starts, is changed until there are about so many
+    weld_options weld{};     ///< after the search; weld_online of a pipeline needs none here
+    cardboard_options cardboard{.min_coverage = 0};  ///< none; its part is not read
     bake_options bake{};
     parallel threads{};
+};
+
+/// Faces whose planes are searched together, and how: a trunk, or its foliage.
+template <class Pipeline = pipeline<>>
+struct part_plan {
+    std::vector<face_id> faces{};  ///< each once, and in no other part
+    build_options options{};  ///< a share of the radius is of the whole mesh; of `bake` only the
+                              ///< thresholds are read, of threads nothing
+    Pipeline method{};
+};
+template <class Pipeline>
+part_plan(std::vector<face_id>, build_options, Pipeline) -> part_plan<Pipeline>;
+
+/// What became of the faces of a mesh: every one is counted once.
+struct face_counts {
+    std::size_t mapped = 0;      ///< lie on a plane
+    std::size_t kept = 0;        ///< of no part: stay a mesh
+    std::size_t degenerate = 0;  ///< set aside: they have no area
+    std::size_t dropped = 0;     ///< have an area, but no plane wanted them
+
+    [[nodiscard]] std::size_t all() const noexcept { return mapped + kept + degenerate + dropped; }
+};
+
+/// How the planes of a part came about.
+struct part_result {
+    face_counts faces{};
+    std::size_t plane_count = 0;       ///< that the search found
+    std::size_t cardboard_planes = 0;  ///< that were added to them
+    double epsilon = 0;                ///< scene units
+    greedy_statistics statistics{};
 };
 
 /// A textured billboard cloud, and how it came about.
 struct build_result {
     billboard_cloud cloud{};
     baked_cloud baked{};
-    greedy_statistics statistics{};
+    mesh kept{};  ///< the faces of no part, as they are in the source
+    face_counts faces{};
+    greedy_statistics statistics{};    ///< sums over the parts; shares are of their common area
+    std::vector<part_result> parts{};  ///< in the order of the plans
     cloud_errors errors{};
+    std::vector<moved_face> moved{};  ///< whose corners welding moved, around cloud.bounds.centre
+    weld_statistics weld{};           ///< of the welding after the search
+    cloud_cracks cracks{};            ///< where corners have moved: without that,
+    cloud_cracks cracks_drawn{};      ///< and with it
     double search_seconds = 0;
     double bake_seconds = 0;
 
-    /// The cloud as a mesh that lies over the original, ready for write_glb.
-    [[nodiscard]] mesh to_mesh() const { return cloud_mesh(cloud, baked); }
+    /// The cloud as a mesh that lies over the original, ready for write_glb. What was kept comes
+    /// behind it, with its own materials and the feature id after that of the last plane.
+    [[nodiscard]] mesh to_mesh() const {
+        mesh result = cloud_mesh(cloud, baked);
+        if (kept.face_count() > 0) {
+            append_mesh(result, kept, static_cast<std::uint32_t>(cloud.plane_count()));
+        }
+        return result;
+    }
 };
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/pipeline/cloud_builder.hpp
+// The steps from a mesh to its cloud, in their order: planes for each part, one cloud, welding,
+// cardboard planes, rectangles, textures.
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// One call of build_cloud; its methods are the steps in their order.
+class cloud_builder {
+public:
+    /// `part_of_face`: no_id for a face that is kept; empty: all faces are of part 0.
+    cloud_builder(const mesh& source, const build_options& options,
+                  std::vector<part_id> part_of_face, std::size_t part_count,
+                  const progress_function& progress)
+        : source_(source),
+          options_(options),
+          part_of_face_(std::move(part_of_face)),
+          part_count_(part_count),
+          progress_(progress) {}
+
+    /// `search_part(part)` calls search().
+    template <class SearchPart>
+    [[nodiscard]] expected<build_result> run(const SearchPart& search_part) {
+        expected<face_table> faces = make_face_table(source_, options_.threads);
+        if (!faces) return faces.error();
+        faces_ = std::move(*faces);
+        for (part_id part = 0; part < part_count_; ++part) search_part(part);
+        result_.cloud = merged();
+        keep_faces();
+        weld();
+        result_.search_seconds = seconds();
+        if (result_.cloud.plane_count() > 0) texture();
+        result_.bake_seconds = seconds() - result_.search_seconds;
+        return std::move(result_);
+    }
+
+    template <class... Parts>
+    void search(part_id part, const build_options& plan, const pipeline<Parts...>& method) {
+        part_result told;
+        told.epsilon = plan.epsilon.in(faces_.bounds);
+        greedy_result found;
+        const face_rows rows = rows_of(part);
+        if (rows.empty()) {
+            found.cloud.bounds = faces_.bounds;
+            found.cloud.epsilon = told.epsilon;
+            found.cloud.plane_of_face.assign(source_.face_count(), no_id);
+        } else {
+            greedy_options how = plan.search;
+            how.epsilon = told.epsilon;
+            found = greedy_search(select_rows(faces_, rows, options_.threads), source_.face_count(),
+                                  how, method, options_.threads, progress_of(rows.size()));
+            rows_done_ += rows.size();
+        }
+        count_faces(part, found.cloud, told.faces);
+        told.plane_count = found.cloud.plane_count();
+        told.statistics = found.statistics;
+        told.statistics.degenerate_faces = told.faces.degenerate;
+        add_statistics(told.statistics, area_of(rows));
+        clouds_.push_back(std::move(found.cloud));
+        result_.moved.insert(result_.moved.end(), found.moved.begin(), found.moved.end());
+        welds_.push_back(plan.weld);
+        cardboards_.push_back(plan.cardboard);
+        thresholds_.push_back(plan.bake.thresholds);
+        result_.parts.push_back(told);
+    }
+
+private:
+    template <class... Parts>
+    [[nodiscard]] greedy_result find_planes(face_table faces, const build_options& plan,
+                                            const pipeline<Parts...>& method) const {
+        greedy_options how = plan.search;
+        how.epsilon = plan.epsilon.in(faces.bounds);
+        const progress_function progress = progress_of(faces.size);
+        if (plan.planes == 0) {
+            return greedy_search(std::move(faces), source_.face_count(), how, method,
+                                 options_.threads, progress);
+        }
+        plane_budget_options budget;
+        budget.first_epsilon = how.epsilon / faces.bounds.radius;
+        return greedy_search_for_planes(faces, source_.face_count(), plan.planes, how, method,
+                                        options_.threads, progress, budget)
+            .result;
+    }
+
+    [[nodiscard]] double seconds() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    [[nodiscard]] part_id part_of(face_id face) const noexcept {
+        return part_of_face_.empty() ? 0 : part_of_face_[face];
+    }
+    [[nodiscard]] face_rows rows_of(part_id part) const {
+        face_rows rows;
+        for (std::uint32_t row = 0; row < faces_.size; ++row) {
+            if (part_of(faces_.source[row]) == part) rows.push_back(row);
+        }
+        return rows;
+    }
+    [[nodiscard]] double area_of(const face_rows& rows) const {
+        double area = 0;
+        for (const std::uint32_t row : rows) area += static_cast<double>(faces_.area[row]);
+        return area;
+    }
+
+    /// Progress of one part as progress of the whole search.
+    [[nodiscard]] progress_function progress_of(std::size_t rows) const {
+        if (!progress_ || part_count_ == 1) return progress_;
+        const auto all = static_cast<double>(std::max<std::size_t>(1, faces_.size));
+        const double before = static_cast<double>(rows_done_) / all;
+        const double share = static_cast<double>(rows) / all;
+        return [this, before, share](std::string_view stage, double done) {
+            progress_(stage, before + share * done);
+        };
+    }
+
+    void count_faces(part_id part, const billboard_cloud& cloud, face_counts& counts) const {
+        std::vector<char> is_degenerate(source_.face_count(), 0);
+        for (const face_id face : faces_.degenerate) is_degenerate[face] = 1;
+        for (face_id face = 0; face < source_.face_count(); ++face) {
+            if (part_of(face) != part) continue;
+            const bool is_mapped = cloud.plane_of_face[face] != no_id;
+            ++(is_mapped                  ? counts.mapped
+               : is_degenerate[face] != 0 ? counts.degenerate
+                                          : counts.dropped);
+        }
+    }
+
+    void add_statistics(const greedy_statistics& of, double area) {
+        greedy_statistics& sum = result_.statistics;
+        sum.refined_planes += of.refined_planes;
+        sum.refinement_levels += of.refinement_levels;
+        sum.fail_safes += of.fail_safes;
+        sum.tweaks += of.tweaks;
+        sum.degenerate_faces += of.degenerate_faces;
+        sum.leftover_faces += of.leftover_faces;
+        sum.dropped_faces += of.dropped_faces;
+        area_done_ += area;
+        const double share = area_done_ > 0 ? area / area_done_ : 0;
+        const auto add_share = [share](double& to, double more) { to += (more - to) * share; };
+        add_share(sum.leftover_area_share, of.leftover_area_share);
+        add_share(sum.dropped_area_share, of.dropped_area_share);
+        add_share(sum.beyond_epsilon_area_share, of.beyond_epsilon_area_share);
+    }
+
+    [[nodiscard]] billboard_cloud merged() {
+        if (!clouds_.empty()) return merge_clouds(std::move(clouds_));
+        billboard_cloud none;
+        none.bounds = faces_.bounds;
+        none.plane_of_face.assign(source_.face_count(), no_id);
+        return none;
+    }
+
+    void keep_faces() {
+        std::vector<face_id> kept;
+        for (face_id face = 0; face < source_.face_count(); ++face) {
+            if (part_of(face) == no_id) kept.push_back(face);
+        }
+        if (!kept.empty()) result_.kept = select_faces(source_, kept);
+        for (const part_result& part : result_.parts) {
+            result_.faces.mapped += part.faces.mapped;
+            result_.faces.degenerate += part.faces.degenerate;
+            result_.faces.dropped += part.faces.dropped;
+        }
+        result_.faces.kept = kept.size();
+        BILLOW_ASSERT(result_.faces.all() == source_.face_count());
+    }
+
+    /// Adds what is welded now to what the searches have moved.
+    void weld() {
+        if (welds_.empty()) return;
+        welded_faces welded = weld_faces(source_, result_.cloud, welds_);
+        result_.weld = welded.statistics;
+        result_.moved.insert(result_.moved.end(), welded.moved.begin(), welded.moved.end());
+        std::erase_if(result_.moved, [&](const moved_face& moved) {
+            return result_.cloud.plane_of_face[moved.face] == no_id;
+        });
+        std::sort(result_.moved.begin(), result_.moved.end(),
+                  [](const moved_face& a, const moved_face& b) { return a.face < b.face; });
+    }
+
+    void texture() {
+        if (result_.moved.empty()) {
+            bake(source_, without_kept(std::move(faces_)));
+            return;
+        }
+        double tolerance = 0;
+        for (const weld_options& weld : welds_) tolerance = std::max(tolerance, weld.tolerance);
+        const mesh drawn = drawn_mesh(source_, result_.cloud, result_.moved);
+        result_.cracks = measure_cracks(source_, result_.cloud, source_, tolerance);
+        result_.cracks_drawn = measure_cracks(source_, result_.cloud, drawn, tolerance);
+        faces_ = *make_face_table(drawn, options_.threads);  // the source's was good
+        bake(drawn, without_kept(std::move(faces_)));
+    }
+
+    void bake(const mesh& drawn, const face_table& table) {
+        for (part_id part = 0; part < part_count_; ++part) {
+            cardboards_[part].only_part = part;
+            result_.parts[part].cardboard_planes =
+                add_cardboard_planes(drawn, result_.cloud, cardboards_[part], options_.threads);
+        }
+        fit_billboards(drawn, result_.cloud, options_.threads);
+        result_.errors = measure_errors(source_, result_.cloud);
+        if (result_.faces.kept > 0) result_.errors.dropped_area_share = dropped_area_share();
+        bake_options how = options_.bake;
+        how.part_thresholds = thresholds_;
+        result_.baked = bake_cloud(drawn, table, result_.cloud, how, options_.threads, progress_);
+    }
+
+    /// Without what is kept, which has no plane either.
+    [[nodiscard]] double dropped_area_share() const {
+        double dropped = 0;
+        double all = 0;
+        for (face_id face = 0; face < source_.face_count(); ++face) {
+            const auto [a, b, c] = source_.corners(face);
+            const double area = glm::length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a)));
+            all += area;
+            const bool is_lost =
+                part_of(face) != no_id && result_.cloud.plane_of_face[face] == no_id;
+            if (is_lost) dropped += area;
+        }
+        return all > 0 ? dropped / all : 0;
+    }
+
+    /// Billboards must not show what is kept.
+    [[nodiscard]] face_table without_kept(face_table faces) const {
+        if (result_.faces.kept == 0) return faces;
+        face_rows rows;
+        for (std::uint32_t row = 0; row < faces.size; ++row) {
+            if (part_of(faces.source[row]) != no_id) rows.push_back(row);
+        }
+        return select_rows(faces, rows, options_.threads);
+    }
+
+    const mesh& source_;
+    const build_options& options_;
+    std::vector<part_id> part_of_face_;
+    std::size_t part_count_;
+    const progress_function& progress_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    face_table faces_{};
+    std::size_t rows_done_ = 0;
+    double area_done_ = 0;
+    std::vector<billboard_cloud> clouds_{};
+    std::vector<weld_options> welds_{};
+    std::vector<cardboard_options> cardboards_{};
+    std::vector<coverage_thresholds> thresholds_{};
+    build_result result_{};
+};
+
+}  // namespace detail
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+[[nodiscard]] inline expected<done> check_options(const build_options& options) {
+    if (!(options.epsilon.value > 0) || !std::isfinite(options.epsilon.value)) {
+        return error{
+            error_code::invalid_options,
+            "epsilon is " + std::to_string(options.epsilon.value) + ", but must be greater than 0"};
+    }
+    return done{};
+}
+
+/// The part of each face, no_id where it is in none.
+class part_membership {
+public:
+    explicit part_membership(std::size_t face_count) : part_of_face(face_count, no_id) {}
+
+    void add(std::span<const face_id> faces) {
+        for (const face_id face : faces) {
+            BILLOW_ASSERT(face < part_of_face.size() && part_of_face[face] == no_id);
+            part_of_face[face] = part_count;
+        }
+        ++part_count;
+    }
+
+    std::vector<part_id> part_of_face;
+    part_id part_count = 0;
+};
+
+}  // namespace detail
 
 /// Makes a billboard cloud of a mesh.
 ///
@@ -7134,43 +11446,707 @@ template <class... Parts>
 [[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
                                                  const pipeline<Parts...>& parts,
                                                  const progress_function& progress = {}) {
-    if (!(options.epsilon.value > 0) || !std::isfinite(options.epsilon.value)) {
-        return error{
-            error_code::invalid_options,
-            "epsilon is " + std::to_string(options.epsilon.value) + ", but must be greater than 0"};
-    }
-    expected<face_table> faces = make_face_table(source, options.threads);
-    if (!faces) return faces.error();
-
-    const auto start = std::chrono::steady_clock::now();
-    const auto seconds = [&] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    };
-    build_result result;
-    if (faces->size == 0) {
-        result.cloud.bounds = faces->bounds;
-        result.cloud.epsilon = options.epsilon.in(faces->bounds);
-        result.cloud.plane_of_face.assign(source.face_count(), no_id);
-        result.statistics.degenerate_faces = source.face_count();
-        return result;
-    }
-    greedy_options search = options.search;
-    search.epsilon = options.epsilon.in(faces->bounds);
-    greedy_result found =
-        greedy_search(*faces, source.face_count(), search, parts, options.threads, progress);
-    result.cloud = std::move(found.cloud);
-    result.statistics = found.statistics;
-    result.search_seconds = seconds();
-    fit_billboards(source, result.cloud, options.threads);
-    result.errors = measure_errors(source, result.cloud);
-    result.baked =
-        bake_cloud(source, *faces, result.cloud, options.bake, options.threads, progress);
-    result.bake_seconds = seconds() - result.search_seconds;
-    return result;
+    if (const auto good = detail::check_options(options); !good) return good.error();
+    detail::cloud_builder builder(source, options, {}, 1, progress);
+    return builder.run([&](part_id part) { builder.search(part, options, parts); });
 }
 [[nodiscard]] inline expected<build_result> build_cloud(const mesh& source,
                                                         const build_options& options = {}) {
     return build_cloud(source, options, pipeline{});
+}
+
+/// Makes one cloud of several parts of a mesh, each searched alone and in its own way: planes of
+/// leaves do not slice the trunk, and a trunk may be finer or coarser than they are. All share the
+/// atlases. The faces of no part stay a mesh: build_result::kept.
+///
+/// Needs   as above for every plan, and its faces within the mesh. Of `options`, bake and threads
+///         are read; each part has its own thresholds.
+/// Fails   as above.
+/// Source  Fuhrmann et al. 2005, section 3.2.2.
+template <class Pipeline>
+[[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
+                                                 std::span<const part_plan<Pipeline>> plans,
+                                                 const progress_function& progress = {}) {
+    detail::part_membership members(source.face_count());
+    for (const part_plan<Pipeline>& plan : plans) {
+        if (const auto good = detail::check_options(plan.options); !good) return good.error();
+        members.add(plan.faces);
+    }
+    detail::cloud_builder builder(source, options, std::move(members.part_of_face), plans.size(),
+                                  progress);
+    return builder.run(
+        [&](part_id part) { builder.search(part, plans[part].options, plans[part].method); });
+}
+template <class Pipeline>
+[[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
+                                                 const std::vector<part_plan<Pipeline>>& plans,
+                                                 const progress_function& progress = {}) {
+    return build_cloud(source, options, std::span(plans), progress);
+}
+
+/// The same for plans of different types.
+template <class... Pipelines>
+[[nodiscard]] expected<build_result> build_cloud(const mesh& source, const build_options& options,
+                                                 const progress_function& progress,
+                                                 const part_plan<Pipelines>&... plans) {
+    detail::part_membership members(source.face_count());
+    expected<done> good = done{};
+    const auto add = [&](const auto& plan) {
+        if (good) good = detail::check_options(plan.options);
+        members.add(plan.faces);
+    };
+    (add(plans), ...);
+    if (!good) return good.error();
+    detail::cloud_builder builder(source, options, std::move(members.part_of_face),
+                                  sizeof...(plans), progress);
+    return builder.run([&](part_id part) {
+        part_id next = 0;
+        const auto search = [&](const auto& plan) {
+            if (next++ == part) builder.search(part, plan.options, plan.method);
+        };
+        (search(plans), ...);
+    });
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/lod/chain.hpp
+// Levels of detail of one mesh: billboard clouds of fewer and fewer planes, each made of the one
+// above or of the mesh.
+//
+// Fuhrmann et al. 2005, section 3.3.8: a level that is made of the billboards of the level above
+// keeps near their planes, so that a switch between the two shows less.
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+// ---- billow/lod/displacement.hpp
+// Where a level of detail draws each corner of the original mesh, composed through the levels that it
+// was made of, and how far that is from elsewhere.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The faces of the original mesh as a level draws them.
+///
+/// Shape  one row a face of the original mesh.
+/// Unit   scene units.
+struct drawn_faces {
+    std::vector<plane_id> plane_of_face{};  ///< of the level's cloud; no_id: not drawn
+    std::vector<std::array<dvec3, 3>> corners{};
+};
+
+/// The mesh as it is, on no plane.
+[[nodiscard]] inline drawn_faces undisplaced(const mesh& original) {
+    drawn_faces result;
+    result.plane_of_face.assign(original.face_count(), no_id);
+    result.corners.reserve(original.face_count());
+    for (face_id face = 0; face < original.face_count(); ++face) {
+        const auto [a, b, c] = original.corners(face);
+        result.corners.push_back({dvec3(a), dvec3(b), dvec3(c)});
+    }
+    return result;
+}
+
+namespace detail {
+
+/// The foot of the perpendicular from `point` on a plane of the cloud.
+[[nodiscard]] inline dvec3 foot_on(const billboard_cloud& cloud, plane_id plane,
+                                   const dvec3& point) noexcept {
+    const auto& p = cloud.planes[plane];
+    return point - p.normal * signed_distance(p, point - cloud.bounds.centre);
+}
+
+/// Of the planes of a billboard's triangles the one that is farthest from a face. A search with
+/// leftovers may part the triangles, and then any of those planes may show the face.
+[[nodiscard]] inline plane_id farthest_plane(const billboard_cloud& cloud,
+                                             std::span<const face_id> triangles,
+                                             const std::array<dvec3, 3>& corners) noexcept {
+    plane_id farthest = no_id;
+    double most = -1;
+    for (const face_id triangle : triangles) {
+        const plane_id plane = cloud.plane_of_face[triangle];
+        if (plane == no_id || plane == farthest) continue;
+        double distance = 0;
+        for (const dvec3& corner : corners) {
+            distance = std::max(distance, glm::distance(corner, foot_on(cloud, plane, corner)));
+        }
+        if (distance > most) most = distance, farthest = plane;
+    }
+    return farthest;
+}
+
+template <class PlaneOf>
+[[nodiscard]] drawn_faces drawn_on(const billboard_cloud& cloud, const drawn_faces& before,
+                                   const PlaneOf& plane_of) {
+    drawn_faces faces = before;
+    for (face_id face = 0; face < faces.corners.size(); ++face) {
+        const plane_id plane = plane_of(face);
+        faces.plane_of_face[face] = plane;
+        if (plane == no_id) continue;
+        for (dvec3& corner : faces.corners[face]) corner = foot_on(cloud, plane, corner);
+    }
+    return faces;
+}
+
+}  // namespace detail
+
+/// Where a cloud of the mesh itself draws the faces, of which some corners have `moved` around the
+/// cloud's centre before. Needs the original's `undisplaced` faces.
+[[nodiscard]] inline drawn_faces drawn_by(const billboard_cloud& cloud, const drawn_faces& original,
+                                          std::span<const moved_face> moved = {}) {
+    drawn_faces drawn =
+        detail::drawn_on(cloud, original, [&](face_id face) { return cloud.plane_of_face[face]; });
+    for (const moved_face& m : moved) {
+        const plane_id plane = cloud.plane_of_face[m.face];
+        if (plane == no_id) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            drawn.corners[m.face][k] =
+                detail::foot_on(cloud, plane, m.corners[k] + cloud.bounds.centre);
+        }
+    }
+    return drawn;
+}
+
+/// Where a cloud of the billboards of the level `above` draws the faces. Needs the billboard of each
+/// face that the cloud was made of.
+[[nodiscard]] inline drawn_faces drawn_through(const billboard_cloud& cloud,
+                                               std::span<const plane_id> billboard_of_face,
+                                               std::size_t billboard_count,
+                                               const drawn_faces& above) {
+    const faces_of_planes triangles(billboard_of_face, billboard_count);
+    return detail::drawn_on(cloud, above, [&](face_id face) {
+        const plane_id billboard = above.plane_of_face[face];
+        if (billboard == no_id) return no_id;
+        return detail::farthest_plane(cloud, triangles[billboard], above.corners[face]);
+    });
+}
+
+/// Distances between two drawings of the same faces, scene units.
+struct displacement {
+    double max = 0;   ///< of any corner; the faces' inner points stay below, being drawn affinely
+    double mean = 0;  ///< over a face's corners, area-weighted over the faces
+    std::size_t faces = 0;  ///< that the second drawing shows
+};
+
+/// How far the faces of `original` move from one drawing to the other, over those that `to` shows.
+/// Cost O(faces).
+[[nodiscard]] inline displacement displacement_between(const mesh& original,
+                                                       const drawn_faces& from,
+                                                       const drawn_faces& to) {
+    displacement result;
+    double area_sum = 0;
+    for (face_id face = 0; face < original.face_count(); ++face) {
+        if (to.plane_of_face[face] == no_id) continue;
+        ++result.faces;
+        const auto [a, b, c] = original.corners(face);
+        const double area = glm::length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a))) / 2;
+        double sum = 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double moved = glm::distance(from.corners[face][k], to.corners[face][k]);
+            result.max = std::max(result.max, moved);
+            sum += moved;
+        }
+        result.mean += area * sum / 3;
+        area_sum += area;
+    }
+    if (area_sum > 0) result.mean /= area_sum;
+    return result;
+}
+
+/// Share of the planes of `coarse` that are nearly planes of `fine`: angle between the normals at most
+/// `max_angle_rad`, and of `fine` the centre of a billboard no farther from the plane than
+/// `max_distance`. 0 without planes.
+[[nodiscard]] inline double share_of_kept_planes(const billboard_cloud& coarse,
+                                                 const billboard_cloud& fine, double max_angle_rad,
+                                                 double max_distance) {
+    const double least_cosine = std::cos(max_angle_rad);
+    std::size_t kept = 0;
+    for (const plane& p : coarse.planes) {
+        for (plane_id id = 0; id < fine.plane_count(); ++id) {
+            const billboard& b = fine.billboards[id];
+            const dvec3 centre = b.origin + b.axes.u * (b.width / 2) + b.axes.v * (b.height / 2);
+            if (std::abs(glm::dot(p.normal, fine.planes[id].normal)) >= least_cosine &&
+                std::abs(signed_distance(p, centre - coarse.bounds.centre)) <= max_distance) {
+                ++kept;
+                break;
+            }
+        }
+    }
+    return coarse.planes.empty()
+               ? 0
+               : static_cast<double>(kept) / static_cast<double>(coarse.plane_count());
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/lod/whole_billboards.hpp
+// Keeps the triangles of a billboard together when a cloud's mesh is what the next planes are
+// searched for.
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// The billboard of each face of a cloud's mesh, which are its feature ids.
+[[nodiscard]] inline std::vector<plane_id> billboards_of_faces(const mesh& cloud) {
+    std::vector<plane_id> billboards;
+    billboards.reserve(cloud.face_count());
+    for (const uvec3& triangle : cloud.triangles) {
+        billboards.push_back(cloud.feature_ids[triangle.x]);
+    }
+    return billboards;
+}
+
+/// Vertices stay; a plane takes all triangles of a billboard or none. Those that are left of one
+/// after its others have gone, or had no area, count as the whole of it.
+class whole_billboards : public fixed_vertices {
+public:
+    whole_billboards() = default;
+    /// Needs  triangles of a billboard one after the other, as cloud_mesh lays them.
+    explicit whole_billboards(std::vector<plane_id> billboard_of_face)
+        : billboard_of_face_(std::move(billboard_of_face)) {}
+
+    /// Needs  rows of `faces` in the order of the mesh, as the search keeps them.
+    void keep_allowed(const face_table& faces, const plane&, face_rows& rows) const {
+        const auto billboard_of = [&](std::size_t row) {
+            return billboard_of_face_[faces.source[row]];
+        };
+        std::size_t kept = 0;
+        for (std::size_t begin = 0; begin < rows.size();) {
+            const plane_id billboard = billboard_of(rows[begin]);
+            std::size_t end = begin + 1;
+            while (end < rows.size() && billboard_of(rows[end]) == billboard) ++end;
+            const std::uint32_t first = rows[begin];
+            const std::uint32_t last = rows[end - 1];
+            const bool is_whole = last - first == end - 1 - begin &&
+                                  (first == 0 || billboard_of(first - 1) != billboard) &&
+                                  (last + 1 == faces.size || billboard_of(last + 1) != billboard);
+            for (; begin < end; ++begin) {
+                if (is_whole) rows[kept++] = rows[begin];
+            }
+        }
+        rows.resize(kept);
+    }
+
+private:
+    std::vector<plane_id> billboard_of_face_{};
+};
+static_assert(vertex_motion<whole_billboards>);
+
+}  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+enum class lod_source {
+    level_above,  ///< incremental, Fuhrmann et al. 2005
+    mesh,         ///< independent of the other levels
+};
+
+struct lod_options {
+    std::vector<std::size_t> levels{24, 11, 4};  ///< most planes of each level, descending
+    lod_source made_of = lod_source::level_above;
+    std::size_t least_incremental =
+        10;                    ///< levels of fewer planes are made of the mesh; Fuhrmann et
+                               ///< al. 2005: bad results below 10
+    double texel_share = 0.5;  ///< texels along the diameter, of those of the level above
+    build_options build{};     ///< texels of level 0; epsilon and most planes are not read
+};
+
+/// A level of detail.
+struct lod_level {
+    build_result built{};
+    std::size_t most_planes = 0;            ///< as asked for
+    lod_source made_of = lod_source::mesh;  ///< level 0 always of the mesh
+    /// No corner is drawn farther from its place, scene units: epsilon, or what was met where that is
+    /// larger, and the bound of the level it is made of.
+    double error_bound = 0;
+    displacement error{};  ///< from the mesh, composed through the levels
+    displacement jump{};   ///< from the level above, at the switch; level 0: from the mesh
+};
+
+struct lod_chain {
+    bounding_sphere bounds{};  ///< of the mesh
+    std::vector<lod_level> levels{};
+};
+
+/// Makes a cloud of at most `most_planes` planes, with the rest of the options as they are.
+template <class B>
+concept level_builder = requires(const B& build, const mesh& source, const build_options& options,
+                                 std::size_t most_planes, const progress_function& progress) {
+    { build(source, options, most_planes, progress) } -> std::same_as<expected<build_result>>;
+};
+
+namespace detail {
+
+[[nodiscard]] inline std::optional<error> fault_of(const lod_options& options) {
+    const auto refuse = [](const std::string& why) {
+        return error{error_code::invalid_options, why};
+    };
+    if (options.levels.empty()) return refuse("a chain needs a level");
+    std::size_t above = 10001;
+    for (const std::size_t planes : options.levels) {
+        if (planes < 1 || planes > 10000) {
+            return refuse("a level of " + std::to_string(planes) +
+                          " planes is not between 1 and 10000");
+        }
+        if (planes >= above) return refuse("levels must have fewer and fewer planes");
+        above = planes;
+    }
+    if (!(options.texel_share > 0 && options.texel_share <= 1)) {
+        return refuse("the share of texels must be above 0 and at most 1");
+    }
+    return std::nullopt;
+}
+
+}  // namespace detail
+
+/// Makes a chain with two builders: one for the mesh, one for the mesh of a cloud, which
+/// keeps billboards whole.
+///
+/// Shape   one level an entry of options.levels.
+/// Fails   invalid_options: levels that are none, not descending or outside 1 to 10000, a texel share
+///         outside (0, 1]; and as the builders.
+/// Cost    that of the builders, and 100 bytes a face. Same result for any number of threads when the
+///         builders' is.
+/// Source  Fuhrmann et al. 2005, section 3.3.8. Differs: epsilon follows from the number of planes.
+template <level_builder FromMesh, level_builder FromBillboards>
+[[nodiscard]] expected<lod_chain> build_lod_chain(const mesh& source, const lod_options& options,
+                                                  const FromMesh& from_mesh,
+                                                  const FromBillboards& from_billboards,
+                                                  const progress_function& progress = {}) {
+    if (const auto fault = detail::fault_of(options)) return *fault;
+    lod_chain chain;
+    build_options build = options.build;
+    double texels = build.bake.texels;
+    drawn_faces original;
+    drawn_faces above;
+    for (const std::size_t most_planes : options.levels) {
+        const std::size_t number = chain.levels.size();
+        const bool is_incremental = number > 0 && options.made_of == lod_source::level_above &&
+                                    most_planes >= options.least_incremental;
+        build.bake.texels = std::max(1, static_cast<int>(std::lround(texels)));
+        texels *= options.texel_share;
+        progress_function tell;
+        if (progress) {
+            tell = [&](std::string_view stage, double share) {
+                progress("level " + std::to_string(number) + ": " + std::string(stage), share);
+            };
+        }
+        const mesh billboards = is_incremental ? cloud_mesh(chain.levels.back().built.cloud,
+                                                            chain.levels.back().built.baked)
+                                               : mesh{};
+        auto built = is_incremental ? from_billboards(billboards, build, most_planes, tell)
+                                    : from_mesh(source, build, most_planes, tell);
+        if (!built) return built.error();
+
+        lod_level level{.built = std::move(*built), .most_planes = most_planes};
+        if (number == 0) {  // the builder has checked the mesh
+            chain.bounds = level.built.cloud.bounds;
+            original = undisplaced(source);
+            above = original;
+        }
+        const billboard_cloud& cloud = level.built.cloud;
+        level.error_bound = std::max(cloud.epsilon, level.built.errors.max_error);
+        // Welding moves a corner by epsilon at most, along its plane while its distance stays.
+        if (!level.built.moved.empty()) level.error_bound *= std::numbers::sqrt2;
+        if (is_incremental) {
+            level.made_of = lod_source::level_above;
+            level.built.kept = chain.levels.back().built.kept;
+            level.error_bound += chain.levels.back().error_bound;
+        }
+        drawn_faces drawn =
+            is_incremental
+                ? drawn_through(cloud, billboards_of_faces(billboards),
+                                chain.levels[number - 1].built.cloud.plane_count(), above)
+                : drawn_by(cloud, original, level.built.moved);
+        level.error = displacement_between(source, original, drawn);
+        level.jump = displacement_between(source, above, drawn);
+        above = std::move(drawn);
+        chain.levels.push_back(std::move(level));
+    }
+    return chain;
+}
+
+namespace detail {
+
+/// An epsilon of a cloud of about `most_planes` planes and not more, scene units. Searches that find
+/// more are stopped and count for nothing.
+template <class... Parts>
+[[nodiscard]] double epsilon_of_level(const face_table& faces, std::size_t face_count,
+                                      const build_options& options, std::size_t most_planes,
+                                      const pipeline<Parts...>& parts) {
+    const auto search = [&](double epsilon, std::size_t limit) {
+        greedy_options how = options.search;
+        how.epsilon = epsilon;
+        how.max_planes = most_planes + 1;
+        const auto found = greedy_search(faces, face_count, how, parts, options.threads);
+        const std::size_t planes = found.cloud.plane_count();
+        return planes > most_planes ? limit + 1 : planes;
+    };
+    return search_for_planes(most_planes, faces.bounds.radius, search,
+                             [](std::size_t planes) { return planes; }, {.most_epsilon = 2})
+        .epsilon;
+}
+
+template <class... Parts>
+[[nodiscard]] expected<build_result> build_level(const mesh& source, build_options options,
+                                                 std::size_t most_planes,
+                                                 const pipeline<Parts...>& parts,
+                                                 const progress_function& progress) {
+    const auto faces = make_face_table(source, options.threads);
+    if (!faces) return faces.error();
+    options.epsilon = tolerance::scene_units(1);
+    if (faces->size > 0) {
+        report(progress, "search", 0);
+        options.epsilon = tolerance::scene_units(
+            epsilon_of_level(*faces, source.face_count(), options, most_planes, parts));
+    }
+    options.planes = 0;
+    options.search.max_planes = most_planes;
+    return build_cloud(source, options, parts, progress);
+}
+
+}  // namespace detail
+
+/// Makes a chain with a pipeline. Levels that are made of billboards keep them whole instead of
+/// moving vertices: billboards share none.
+template <class... Parts>
+[[nodiscard]] expected<lod_chain> build_lod_chain(const mesh& source, const lod_options& options,
+                                                  const pipeline<Parts...>& parts,
+                                                  const progress_function& progress = {}) {
+    const auto from_mesh = [&](const mesh& of, const build_options& build, std::size_t most_planes,
+                               const progress_function& tell) {
+        return detail::build_level(of, build, most_planes, parts, tell);
+    };
+    const auto from_billboards = [&](const mesh& of, build_options build, std::size_t most_planes,
+                                     const progress_function& tell) {
+        build.search.skip_area = 0;  // a billboard shows many faces
+        build.search.min_contribution = 0;
+        build.weld = {};  // billboards share no vertex
+        const pipeline whole{parts.space, parts.policies, parts.fitter, parts.grouping,
+                             whole_billboards(billboards_of_faces(of))};
+        return detail::build_level(of, build, most_planes, whole, tell);
+    };
+    return build_lod_chain(source, options, from_mesh, from_billboards, progress);
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/lod/switch_distance.hpp
+// From which distance a level of detail may be drawn, and how engines spell that distance.
+//
+// Differs from a table of fixed distances: an error in scene units becomes one in pixels, so one
+// cloud serves every screen. The formula is that of meshoptimizer's clustered levels of detail.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// A perspective camera, as far as levels of detail care.
+struct lod_screen {
+    double fov_y = std::numbers::pi / 3;  ///< vertical field of view, radians, in (0, pi)
+    int width_px = 1920;
+    int height_px = 1080;
+    double near = 0.01;  ///< least distance to an object's surface that counts, scene units, > 0
+
+    /// Pixels that a length of 1 covers at a distance of 1: cot(fov_y / 2) / 2 · height.
+    [[nodiscard]] double pixels_at_one() const noexcept {
+        return height_px / (2 * std::tan(fov_y / 2));
+    }
+};
+
+/// Largest size on the screen of a displacement by `error` somewhere in a sphere of `radius` whose
+/// centre is at `distance`: error / max(distance - radius, near) · cot(fov_y / 2) / 2 · height.
+///
+/// Unit   lengths in scene units; gives pixels.
+[[nodiscard]] inline double pixels_of_error(double error, double radius, double distance,
+                                            const lod_screen& screen) noexcept {
+    return error / std::max(distance - radius, screen.near) * screen.pixels_at_one();
+}
+
+/// The least distance to the centre from which `error` covers at most `pixels`: the inverse of
+/// pixels_of_error. 0 where it never covers more.
+///
+/// Needs  pixels > 0.
+[[nodiscard]] inline double distance_for_pixels(double error, double radius, double pixels,
+                                                const lod_screen& screen) noexcept {
+    const double to_surface = error * screen.pixels_at_one() / pixels;
+    return to_surface > screen.near ? radius + to_surface : 0;
+}
+
+/// The distance from which each level may be drawn, finest first. Never less than that of the level
+/// above, so that levels follow each other.
+[[nodiscard]] inline std::vector<double> switch_distances(std::span<const double> errors,
+                                                          double radius, double pixels,
+                                                          const lod_screen& screen) {
+    std::vector<double> distances;
+    double least = 0;
+    for (const double error : errors) {
+        least = std::max(least, distance_for_pixels(error, radius, pixels, screen));
+        distances.push_back(least);
+    }
+    return distances;
+}
+
+/// Height of an object of `size` over that of the screen: 1 fills it. Unity's
+/// screenRelativeTransitionHeight, where size is the longest side of the object's box, and Houdini's
+/// lod_screensizes. Infinite at distance 0.
+[[nodiscard]] inline double relative_screen_height(double size, double distance,
+                                                   const lod_screen& screen) noexcept {
+    if (!(distance > 0)) return std::numeric_limits<double>::infinity();
+    return size / (2 * distance * std::tan(screen.fov_y / 2));
+}
+
+/// The distance at which an object of `size` has that share of the screen's height: the inverse of
+/// relative_screen_height. Needs relative_height > 0.
+[[nodiscard]] inline double distance_for_screen_height(double size, double relative_height,
+                                                       const lod_screen& screen) noexcept {
+    return size / (2 * relative_height * std::tan(screen.fov_y / 2));
+}
+
+/// Share of the screen's area that the disc of a sphere covers, at most 1: for MSFT_screencoverage,
+/// whose text leaves open what is covered. Entry i there is the end of level i, so the coverage at
+/// the switch distance of level i + 1.
+[[nodiscard]] inline double screen_coverage(double radius, double distance,
+                                            const lod_screen& screen) noexcept {
+    const double height = relative_screen_height(2 * radius, distance, screen);
+    const double aspect = static_cast<double>(screen.width_px) / screen.height_px;
+    return std::min(1.0, std::numbers::pi / 4 * height * height / aspect);
+}
+
+}  // namespace billow::inline BILLOW_ABI
+
+// ---- billow/presets.hpp
+// Presets: the published ways to make a billboard cloud, by name, and ours.
+//
+// Each reads like the parameter table of its paper. A preset is a value: change what you like before
+// you give its options and its method to build_cloud.
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What a preset fixes: values in `options`, types in `method`.
+template <class Pipeline>
+struct preset {
+    build_options options{};
+    Pipeline method{};
+};
+template <class Pipeline>
+preset(build_options, Pipeline) -> preset<Pipeline>;
+
+/// A preset for trees, whose foliage and trunk are searched apart.
+template <class Foliage, class Trunk>
+struct tree_preset {
+    Foliage foliage{};
+    Trunk trunk{};
+};
+template <class Foliage, class Trunk>
+tree_preset(Foliage, Trunk) -> tree_preset<Foliage, Trunk>;
+
+namespace presets {
+
+/// Billboard clouds as first published: penalty 10, also inside the refinement into 216 sub-bins;
+/// planes as they are found; compact textures.
+///
+/// Source  Décoret, Durand, Sillion, Dorsey: Billboard clouds for extreme model simplification.
+///         SIGGRAPH 2003. Differs: 2,593 normals, which they do not state.
+[[nodiscard]] inline auto classic() {
+    build_options options;
+    options.epsilon = tolerance::of_radius(0.05);
+    options.search.refine = refinement::original;
+    options.search.penalty_in_refinement = true;
+    return preset{options, pipeline{spherical(18),
+                                    density_policies{intersection_of_vertices{}, projected_area{},
+                                                     inner_side_penalty{10}},
+                                    no_fit{}, heaviest_group{}}};
+}
+
+/// The thesis that put billboard clouds right: raster 18, 1.5 offset bins an epsilon, penalty 3,
+/// distance falloff, least squares; the last 2 % of the area are not worth a plane; the cracks of
+/// solids are welded.
+///
+/// Source  Luksch: Implementation of an improved billboard cloud algorithm. Thesis, TU Wien 2009,
+///         table 5.7. Differs: a fitted plane keeps epsilon.
+[[nodiscard]] inline auto thesis(model_kind kind = model_kind::solid) {
+    build_options options;
+    options.epsilon = tolerance::of_radius(0.05);
+    options.search.rho_rate = 1.5;
+    options.search.refine = refinement::fail_safe;
+    options.search.skip_area = 0.02;
+    options.weld.kind = kind == model_kind::solid ? weld_kind::intersection : weld_kind::none;
+    return preset{options, pipeline{cube_map(18),
+                                    density_policies{hull_of_samples{}, projected_area{},
+                                                     inner_side_penalty{3}, distance_falloff{}},
+                                    least_squares_fit{}}};
+}
+
+/// Trees: angular contribution for leaves, horizontal planes held back by 60 % from 50° on, texels
+/// opaque from 0.3; the trunk is welded while it is searched, and thin parts of it get cardboard
+/// planes where these show 80 %.
+///
+/// Source  Fuhrmann, Umlauf, Mantler: Extreme model simplification for forest rendering. Eurographics
+///         Workshop on Natural Phenomena 2005, section 3.3.
+[[nodiscard]] inline auto tree() {
+    build_options foliage;
+    foliage.epsilon = tolerance::of_radius(0.1);
+    foliage.bake.thresholds.foliage = 0.3;
+    build_options trunk = foliage;
+    trunk.cardboard.min_coverage = 0.8;
+    return tree_preset{
+        preset{foliage,
+               pipeline{cube_map(18),
+                        density_policies{hull_of_samples{}, angular_area{}, inner_side_penalty{3},
+                                         no_falloff{},
+                                         horizontal_penalty{.share = 0.60, .cutoff_deg = 50}},
+                        average_fit{}}},
+        preset{trunk, pipeline{cube_map(18),
+                               density_policies{hull_of_samples{}, projected_area{},
+                                                inner_side_penalty{3}},
+                               average_fit{}, whole_set{}, weld_online{}}}};
+}
+
+/// Solids, ours: the thesis's, but every face keeps epsilon.
+[[nodiscard]] inline auto solid() {
+    auto made = thesis(model_kind::solid);
+    made.options.search.skip_area = 0;
+    return made;
+}
+
+}  // namespace presets
+
+/// Makes a cloud of a tree: roles tell its faces apart.
+///
+/// Needs, Fails, Cost  as build_cloud for parts.
+template <class Foliage, class Trunk>
+[[nodiscard]] expected<build_result> build_tree(const mesh& source, const face_roles& roles,
+                                                const tree_preset<Foliage, Trunk>& how,
+                                                const build_options& options,
+                                                const progress_function& progress = {}) {
+    return build_cloud(
+        source, options, progress,
+        part_plan{roles.faces_of(face_role::foliage), how.foliage.options, how.foliage.method},
+        part_plan{roles.faces_of(face_role::solid), how.trunk.options, how.trunk.method});
 }
 
 }  // namespace billow::inline BILLOW_ABI
