@@ -494,4 +494,38 @@ TEST_SUITE("bake/bake_cloud") {
             CHECK(differing < 0.01 * static_cast<double>(a.bytes.size()));
         }
     }
+    TEST_CASE("rays darken what is hidden and give a horizon; without rays there is none") {
+        mesh m;  // two squares that look up, one close above the other
+        for (const float y : {0.0f, 0.1f}) {
+            const auto first = static_cast<std::uint32_t>(m.vertex_count());
+            for (const vec2& p : {vec2(-1, -1), vec2(-1, 1), vec2(1, 1), vec2(1, -1)}) {
+                m.positions.emplace_back(p.x, y, p.y);
+            }
+            m.triangles.push_back({first, first + 1, first + 2});
+            m.triangles.push_back({first, first + 2, first + 3});
+        }
+        const std::vector<plane> planes{{{0, 1, 0}, 0}, {{0, 1, 0}, 0.1}};
+        bake_options options{.texels = 64};
+        const auto bake_lower = [&] {
+            return bake(m, cloud_on(m, planes, 0.01, 1.5), options).baked;
+        };
+        const baked_cloud plain = bake_lower();
+        CHECK(plain.atlases[0].occlusion_roughness_metallic.empty());
+        CHECK(plain.atlases[0].horizon.empty());
+        options.occlusion.rays = 64;
+        options.with_horizon = true;
+        const baked_cloud dark = bake_lower();
+        const atlas& in = dark.atlases[0];
+        const auto middle_of = [](const tile& t) {
+            return ivec2(t.x + t.width / 2, t.y + t.height / 2);
+        };
+        const ivec2 hidden = middle_of(dark.tiles[0]);
+        const ivec2 top = middle_of(dark.tiles[1]);
+        CHECK(in.occlusion_roughness_metallic.pixel(hidden.x, hidden.y)[0] < 60);
+        CHECK(in.occlusion_roughness_metallic.pixel(top.x, top.y)[0] == 255);
+        const horizon_cone sky = decode_horizon(in.horizon.pixel(top.x, top.y));
+        CHECK(sky.axis.y > 0.98f);
+        CHECK(sky.cosine == doctest::Approx(0).epsilon(0.01));
+        CHECK(decode_horizon(in.horizon.pixel(hidden.x, hidden.y)).cosine > 0.6f);
+    }
 }
