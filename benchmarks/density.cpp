@@ -22,8 +22,9 @@ std::vector<orientation_cell> search_cells() {
     return cells;
 }
 
-template <class V>
-void rasterize(benchmark::State& state, std::size_t size, unsigned threads, density_change change) {
+template <class V, class Policies>
+void rasterize(benchmark::State& state, const Policies& policies, std::size_t size,
+               unsigned threads, density_change change) {
     const face_table& faces = bench::leaves(size).faces;
     const std::vector<orientation_cell> cells = search_cells();
     const double epsilon = bench::epsilon_share * faces.bounds.radius;
@@ -33,12 +34,29 @@ void rasterize(benchmark::State& state, std::size_t size, unsigned threads, dens
     const bench::unit_time unit{"ns_per_face_cell", 1e9,
                                 static_cast<double>(faces.size * cells.size())};
     bench::repeat(state, unit, [&] {
-        rasterize_density<V>(faces, std::span<const orientation_cell>(cells), density_policies<>{},
-                             epsilon, grid, change, {threads});
+        rasterize_density<V>(faces, std::span<const orientation_cell>(cells), policies, epsilon,
+                             grid, change, {threads});
     });
 }
 
+/// What a contribution and a falloff cost beside projected area without falloff.
+template <class Contribution, class Falloff>
+void add_policy_rows(const std::string& name, const Contribution& worth, const Falloff& weigh) {
+    const density_policies policies{hull_of_samples{}, worth, inner_side_penalty{}, weigh};
+    for (const std::size_t size : {1'000u, 113'016u}) {
+        bench::add_row("density.rasterize." + name + "/leaf_soup", size, bench::isa, 1,
+                       [=](benchmark::State& state) {
+                           rasterize<simd::wide>(state, policies, size, 1, density_change::add);
+                       });
+    }
+}
+
 const bool rows = [] {
+    add_policy_rows("projected", projected_area{}, no_falloff{});
+    add_policy_rows("angular", angular_area{}, no_falloff{});
+    add_policy_rows("within_angle", within_angle{projected_area{}, 60}, no_falloff{});
+    add_policy_rows("projected_falloff", projected_area{}, distance_falloff{});
+    add_policy_rows("angular_falloff", angular_area{}, distance_falloff{});
     for (const auto& [family, change] :
          {std::pair{"density.rasterize.add/leaf_soup", density_change::add},
           std::pair{"density.rasterize.remove/leaf_soup", density_change::remove}}) {
@@ -46,7 +64,7 @@ const bool rows = [] {
             const auto row = [&, family = family, change = change]<class V>(
                                  V, const std::string& isa, unsigned threads) {
                 bench::add_row(family, size, isa, threads, [=](benchmark::State& state) {
-                    rasterize<V>(state, size, threads, change);
+                    rasterize<V>(state, density_policies<>{}, size, threads, change);
                 });
             };
             row(float{}, "scalar", 1);
