@@ -13,12 +13,16 @@ using namespace billow;
 
 namespace {
 
-expected<done> treat_trunk(mesh& trunk, const model_recipe& how) {
+/// Twigs fall apart when they are reduced further than this, in radii.
+constexpr double most_reduction_error = 0.02;
+
+expected<done> treat_trunk(mesh& trunk, double radius, const model_recipe& how) {
     if (how.use != trunk_use::reduce || trunk.face_count() == 0) return done{};
 #ifdef BILLOW_HAS_REDUCE
-    trunk = reduce_mesh(trunk, how.reduced_share).mesh;
+    trunk = reduce_mesh(trunk, how.reduced_share, most_reduction_error * radius).mesh;
     return done{};
 #else
+    static_cast<void>(radius);
     return error{error_code::unsupported,
                  "--trunk reduce needs a tool that was built with meshoptimizer"};
 #endif
@@ -37,7 +41,8 @@ expected<build_result> make_cloud(const mesh& source, const model_recipe& how,
     }
     expected<build_result> result = build_cloud(source, how.whole.options, plans, progress);
     if (result) {
-        if (const auto treated = treat_trunk(result->kept, how); !treated) return treated.error();
+        const auto treated = treat_trunk(result->kept, result->cloud.bounds.radius, how);
+        if (!treated) return treated.error();
     }
     return result;
 }
