@@ -36,6 +36,7 @@
 #undef TINYGLTF_IMPLEMENTATION
 #endif
 
+#include <billow/io/dds.hpp>
 #include <billow/io/file.hpp>
 #include <billow/io/glb.hpp>
 #include <billow/io/gltf.hpp>

@@ -36,10 +36,11 @@ struct half_plane {
     double limit = 0;
 };
 
-using corners = std::vector<dvec2>;
+using outline_corners = std::vector<dvec2>;
 
 /// The part of a convex polygon within a half plane, corners closer than `slack` merged.
-inline void cut_polygon(const corners& from, const half_plane& keep, double slack, corners& to) {
+inline void cut_polygon(const outline_corners& from, const half_plane& keep, double slack,
+                        outline_corners& to) {
     to.clear();
     const auto add = [&](const dvec2& p) {
         if (to.empty() || glm::distance(to.back(), p) > slack) to.push_back(p);
@@ -95,15 +96,15 @@ inline void cut_polygon(const corners& from, const half_plane& keep, double slac
                                                         const dvec2& low, const dvec2& high,
                                                         int most_corners) {
     BILLOW_ASSERT(most_corners >= 4);
-    const detail::corners rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
+    const detail::outline_corners rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
     if (hull.empty()) return rectangle;
     const double slack = 1e-9 * glm::distance(low, high);
     const std::vector<detail::half_plane> lines = detail::touching_lines(hull);
     const auto most = static_cast<std::size_t>(most_corners);
 
-    detail::corners cut;
+    detail::outline_corners cut;
     /// The line that leaves the least of `from`, within `room` corners.
-    const auto best_cut = [&](const detail::corners& from) {
+    const auto best_cut = [&](const detail::outline_corners& from) {
         std::size_t best = lines.size();
         double least = doubled_area(from) * (1 - 1e-9);
         for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -114,7 +115,7 @@ inline void cut_polygon(const corners& from, const half_plane& keep, double slac
         return best;
     };
     const auto polygon_of = [&](const std::vector<std::size_t>& cuts) {
-        detail::corners result = rectangle;
+        detail::outline_corners result = rectangle;
         for (const std::size_t i : cuts) {
             detail::cut_polygon(result, lines[i], slack, cut);
             std::swap(result, cut);
@@ -123,7 +124,7 @@ inline void cut_polygon(const corners& from, const half_plane& keep, double slac
     };
 
     std::vector<std::size_t> cuts;
-    detail::corners result = rectangle;
+    detail::outline_corners result = rectangle;
     const auto extend = [&] {
         for (std::size_t i; cuts.size() < 2 * most && (i = best_cut(result)) < lines.size();) {
             cuts.push_back(i);
@@ -135,7 +136,7 @@ inline void cut_polygon(const corners& from, const half_plane& keep, double slac
         const double before = doubled_area(result);
         for (std::size_t drop = 0; drop < cuts.size(); ++drop) {
             const std::vector<std::size_t> kept_cuts = cuts;
-            const detail::corners kept = result;
+            const detail::outline_corners kept = result;
             cuts.erase(cuts.begin() + static_cast<std::ptrdiff_t>(drop));
             result = polygon_of(cuts);
             if (result.size() <= most) extend();
