@@ -227,17 +227,21 @@ private:
         if (taken.empty()) {  // epsilon is below what floats resolve
             taken.push_back(largest_face(remaining_));
         }
-        return taken;
+        return grouped(found, std::move(taken));
     }
 
-    /// The faces that the plane may take, or those of them that the grouping wants on it.
     [[nodiscard]] face_rows faces_allowed_on(const plane& p) const {
         face_rows rows = faces_valid_for(remaining_, p, epsilon_, policies_.contribution, threads_);
         motion_.keep_allowed(remaining_, p, rows);
+        return rows;
+    }
+
+    /// Those of the faces that the grouping wants on the plane. The others come again later.
+    [[nodiscard]] face_rows grouped(const plane& p, face_rows rows) const {
         if constexpr (!std::remove_cvref_t<decltype(grouping_)>::takes_all) {
-            face_rows wanted =
-                grouping_(select_rows(remaining_, rows, threads_), p, epsilon_, threads_);
-            BILLOW_ASSERT(rows.empty() || !wanted.empty());
+            const face_table faces = select_rows(remaining_, rows, threads_);
+            face_rows wanted = grouping_(faces, p, epsilon_, threads_);
+            BILLOW_ASSERT(!wanted.empty());
             for (std::uint32_t& row : wanted) row = rows[row];
             return wanted;
         }
@@ -263,7 +267,7 @@ private:
         face_rows moved_taken = faces_allowed_on(moved);
         if (!std::ranges::includes(moved_taken, taken)) return;
         found = moved;
-        taken = std::move(moved_taken);
+        taken = grouped(moved, std::move(moved_taken));
         ++result_.statistics.tweaks;
     }
 
