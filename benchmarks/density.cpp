@@ -30,7 +30,8 @@ void rasterize(benchmark::State& state, const Policies& policies, std::size_t si
     const double epsilon = bench::epsilon_share * faces.bounds.radius;
     const double spacing = epsilon / 1.5;
     const int half = static_cast<int>(std::ceil(faces.bounds.radius / spacing));
-    density_grid grid(cells.size(), {-half * spacing, spacing, 2 * half}, density_scale(faces));
+    density_grid grid = make_density_grid(
+        policies, cells.size(), {-half * spacing, spacing, 2 * half}, density_scale(faces));
     const bench::unit_time unit{"ns_per_face_cell", 1e9,
                                 static_cast<double>(faces.size * cells.size())};
     bench::repeat(state, unit, [&] {

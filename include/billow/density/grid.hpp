@@ -41,18 +41,23 @@ struct ramp {
 
 /// One row of bins an orientation, in contributions and in uncharged penalties (weight 1).
 ///
-/// Unit  1 / scale scene units squared.
+/// Unit  1 / scale scene units squared; contributions 1 / (scale · contribution_unit).
 class density_grid {
 public:
-    density_grid(std::size_t row_count, const offset_axis& axis, double scale)
+    density_grid(std::size_t row_count, const offset_axis& axis, double scale,
+                 int contribution_unit = 1)
         : axis_(axis),
           scale_(scale),
+          contribution_unit_(contribution_unit),
           contribution_(row_count * stride(axis)),
           penalty_(row_count * stride(axis)) {}
 
     [[nodiscard]] const offset_axis& axis() const noexcept { return axis_; }
     /// Units of the integers per scene unit squared.
     [[nodiscard]] double scale() const noexcept { return scale_; }
+    /// Units of a contribution per unit of a penalty: what weights are multiples of.
+    [[nodiscard]] int contribution_unit() const noexcept { return contribution_unit_; }
+    [[nodiscard]] double contribution_scale() const noexcept { return scale_ * contribution_unit_; }
     [[nodiscard]] std::size_t row_count() const noexcept {
         return contribution_.size() / stride(axis_);
     }
@@ -86,6 +91,7 @@ private:
 
     offset_axis axis_;
     double scale_;
+    int contribution_unit_;
     std::vector<ramp> contribution_;
     std::vector<ramp> penalty_;
 };
@@ -111,7 +117,7 @@ template <class Worth>
         dense_bin densest = none;
         for (std::size_t row = begin; row < end; ++row) {
             grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
-                const double c = static_cast<double>(contribution) / grid.scale();
+                const double c = static_cast<double>(contribution) / grid.contribution_scale();
                 const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
                 if (density > densest.density) densest = {row, bin, density, c};
             });

@@ -11,6 +11,7 @@
 #include <concepts>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <billow/core/parallel.hpp>
 #include <billow/core/simd.hpp>
@@ -52,11 +53,16 @@ template <class Validity, class Contribution, class Penalty, class Falloff, clas
     return density_policies{p.validity, p.contribution, p.penalty, no_falloff{}, p.bias};
 }
 
-/// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30.
+/// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30, or all
+/// together are 2^50, whichever is less: weighted they stay within 64 bits.
 [[nodiscard]] inline double density_scale(const face_table& faces) noexcept {
     float largest = 0;
-    for (const float area : faces.area) largest = std::max(largest, area);
-    return largest > 0 ? 0x1p30 / static_cast<double>(largest) : 1;
+    double all = 0;
+    for (const float area : faces.area) {
+        largest = std::max(largest, area);
+        all += static_cast<double>(area);
+    }
+    return largest > 0 ? std::min(0x1p30 / static_cast<double>(largest), 0x1p50 / all) : 1;
 }
 
 enum class density_change { add, remove };
@@ -79,6 +85,70 @@ struct ramp_block {
     std::array<std::int32_t, size> height;  ///< 0: the face is not valid here
     std::array<starts, 4> start;
     samples sample;
+    std::array<std::int32_t, size> key;  ///< of a falloff's kernel
+};
+
+/// The weights of a falloff for valid offsets whose ends are rounded to quarters of a bin. Their
+/// number is small, so faces are counted by them first and weighted afterwards, all at once.
+class falloff_kernel {
+public:
+    static constexpr int parts = 4;       ///< of a bin
+    static constexpr int unit = 1 << 12;  ///< weights are multiples of 1 / unit
+
+    falloff_kernel() = default;
+
+    /// `most_length`: of valid offsets; longer ones are weighted as if they ended there. `epsilon`
+    /// and lengths in bins.
+    template <class Falloff>
+    falloff_kernel(const Falloff& weigh, double epsilon, double most_length, int bin_count)
+        : lengths_(static_cast<int>(std::ceil(most_length * parts)) + 2),
+          bins_(lengths_ / parts + 2),
+          bin_count_(bin_count),
+          weights_(static_cast<std::size_t>(parts * lengths_ * bins_)) {
+        std::size_t at = 0;
+        for (int low = 0; low < parts; ++low) {
+            for (int length = 0; length < lengths_; ++length) {
+                const double middle = (low + 0.5 * length) / parts;
+                for (int bin = 0; bin < bins_; ++bin) {
+                    const bool is_touched = bin * parts < low + length;
+                    const double distance = std::max(0.0, std::abs(bin + 0.5 - middle) - 0.5);
+                    const float weight =
+                        weigh(static_cast<float>(distance), static_cast<float>(epsilon));
+                    weights_[at++] =
+                        is_touched ? std::lround(static_cast<double>(weight) * unit) : 0;
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] bool empty() const noexcept { return weights_.empty(); }
+    [[nodiscard]] int lengths() const noexcept { return lengths_; }
+    /// Bins before the axis that valid offsets may start in and still reach it.
+    [[nodiscard]] int lead() const noexcept { return bins_; }
+    /// Pairs of a rounded low end, from `lead` on, and a length: low · lengths() + length.
+    [[nodiscard]] std::size_t key_count() const noexcept {
+        return static_cast<std::size_t>((bin_count_ + lead() + 1) * parts * lengths_);
+    }
+
+    /// Adds `height` faces of the key to a row.
+    void add(std::size_t key, std::int64_t height, std::span<ramp> row) const noexcept {
+        const int low = static_cast<int>(key) / lengths_;
+        const int length = static_cast<int>(key) % lengths_;
+        const std::int64_t* weight =
+            weights_.data() + static_cast<std::size_t>((low % parts * lengths_ + length) * bins_);
+        const int first = low / parts - lead();
+        const int begin = std::max(first, 0);
+        const int end = std::min(first + bins_, bin_count_);
+        for (int bin = begin; bin < end; ++bin) {
+            row[static_cast<std::size_t>(bin)].before -= height * weight[bin - first];
+        }
+    }
+
+private:
+    int lengths_ = 0;  ///< in parts of a bin, that are told apart
+    int bins_ = 0;     ///< that the longest may touch
+    int bin_count_ = 0;
+    std::vector<std::int64_t> weights_{};
 };
 
 /// Constants of a grid in lanes.
@@ -94,11 +164,50 @@ struct axis_lanes {
           epsilon(simd::lanes<V>::fill(static_cast<float>(eps))) {}
 };
 
+/// Where the samples of lanes of faces lie that are valid from `low` to `high`, in bins.
+template <class V>
+void store_samples(V low, V high, V height, const axis_lanes<V>& axis, std::size_t i,
+                   ramp_block& block) noexcept {
+    using lanes = simd::lanes<V>;
+    const V zero = lanes::fill(0);
+    const auto clip = [&](V bins) { return simd::max(simd::min(bins, axis.bin_count), zero); };
+    const V end = clip(high);
+    const V whole = simd::to_float(simd::truncate(end));
+    const V begin = simd::to_float(simd::truncate(clip(low)));
+    lanes::store(block.sample.first.data() + i, begin);
+    // An interval that ends where a bin begins does not touch it.
+    const V last = simd::select(whole < end, whole, whole - lanes::fill(1));
+    lanes::store(block.sample.last.data() + i,
+                 simd::select(height >= lanes::fill(1), last, begin - lanes::fill(1)));
+    lanes::store(block.sample.middle.data() + i, (low + high) * lanes::fill(0.5f));
+}
+
+/// Their keys of a kernel.
+template <class V>
+void store_keys(V low, V high, const axis_lanes<V>& axis, std::size_t i,
+                const falloff_kernel& kernel, ramp_block& block) noexcept {
+    using lanes = simd::lanes<V>;
+    const auto fill = [](int value) { return lanes::fill(static_cast<float>(value)); };
+    const V zero = lanes::fill(0);
+    const V half = lanes::fill(0.5f);
+    const V parts = fill(falloff_kernel::parts);
+    // Truncation rounds down what is above 0: all of it is, with a lead before the axis.
+    const V lead = fill(kernel.lead());
+    const auto rounded = [&](V bins) {
+        const V at = simd::max(simd::min(bins + lead, axis.bin_count + lead + lead), zero);
+        return simd::to_float(simd::truncate(at * parts + half));
+    };
+    const V first = simd::min(rounded(low), (axis.bin_count + lead) * parts);
+    const V length =
+        simd::max(simd::min(rounded(high) - first, fill(kernel.lengths() - 1)), fill(1));
+    lanes::store(block.key.data() + i, simd::truncate(first * fill(kernel.lengths()) + length));
+}
+
 /// Fills a block for the faces [first, first + count) and one cell. Returns whether any is valid.
 template <class V, class Policies>
 bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t count,
                      const cell_lanes<V>& cell, const axis_lanes<V>& axis, const Policies& policies,
-                     ramp_block& block) noexcept {
+                     const falloff_kernel& kernel, ramp_block& block) noexcept {
     const V zero = simd::lanes<V>::fill(0);
     V highest = zero;
     for (std::size_t i = 0; i < count; i += simd::lanes<V>::count) {
@@ -124,18 +233,11 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
                                   simd::truncate(exact_height * share));
         };
         if constexpr (Policies::falls) {
-            using lanes = simd::lanes<V>;
-            const V low = in_bins(valid.low);
-            const V high = in_bins(valid.high);
-            const V end = clip(high);
-            const V whole = simd::to_float(simd::truncate(end));
-            const V begin = simd::to_float(simd::truncate(clip(low)));
-            lanes::store(block.sample.first.data() + i, begin);
-            // An interval that ends where a bin begins does not touch it.
-            const V last = simd::select(whole < end, whole, whole - lanes::fill(1));
-            lanes::store(block.sample.last.data() + i,
-                         simd::select(height >= lanes::fill(1), last, begin - lanes::fill(1)));
-            lanes::store(block.sample.middle.data() + i, (low + high) * lanes::fill(0.5f));
+            if (kernel.empty()) {
+                store_samples<V>(in_bins(valid.low), in_bins(valid.high), height, axis, i, block);
+            } else {
+                store_keys<V>(in_bins(valid.low), in_bins(valid.high), axis, i, kernel, block);
+            }
         } else {
             put(0, valid.low);
             put(1, valid.high);
@@ -216,17 +318,67 @@ void add_ramps(const ramp_block& block, std::size_t count, std::span<ramp> contr
     }
 }
 
-/// Adds sign times a block of faces to one row of a grid.
+/// Adds sign times the samples of a block to one row, at once or counted by key.
+template <int Sign>
+void add_keys(const ramp_block& block, std::size_t count, const falloff_kernel& kernel,
+              std::span<std::int64_t> counts, std::span<ramp> row) noexcept {
+    if (counts.empty()) {
+        for (std::size_t i = 0; i < count; ++i) {
+            if (block.height[i] == 0) continue;
+            kernel.add(static_cast<std::size_t>(block.key[i]), std::int64_t{Sign} * block.height[i],
+                       row);
+        }
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            counts[static_cast<std::size_t>(block.key[i])] += block.height[i];
+        }
+    }
+}
+
+/// Adds sign times a block of faces to one row of a grid. `counts`: see add_keys.
 template <int Sign, class V, class Policies>
 void add_block(const ramp_block& block, std::size_t count, const axis_lanes<V>& axis,
-               const Policies& policies, density_grid& grid, std::size_t row) noexcept {
+               const Policies& policies, const falloff_kernel& kernel,
+               std::span<std::int64_t> counts, density_grid& grid, std::size_t row) noexcept {
     if constexpr (Policies::falls) {
-        add_samples<Sign>(block, count, axis, policies.falloff, grid.contribution(row));
+        if (kernel.empty()) {
+            add_samples<Sign>(block, count, axis, policies.falloff, grid.contribution(row));
+        } else {
+            add_keys<Sign>(block, count, kernel, counts, grid.contribution(row));
+        }
     }
     add_ramps<Sign, Policies>(block, count, grid.contribution(row), grid.penalty(row));
 }
 
+/// The kernel for a grid that make_density_grid made; none for the few bins of a refinement, where
+/// faces reach far across.
+template <class Policies>
+[[nodiscard]] falloff_kernel kernel_for(const Policies& policies, const density_grid& grid,
+                                        std::span<const orientation_cell> cells, double epsilon) {
+    if constexpr (Policies::falls) {
+        if (grid.contribution_unit() > 1) {
+            BILLOW_ASSERT(grid.contribution_unit() == falloff_kernel::unit);
+            float chord = 0;
+            for (const orientation_cell& cell : cells) chord = std::max(chord, cell.chord);
+            // Within a cell the offsets of a corner differ by its chord times its distance.
+            const double radius = std::abs(grid.axis().origin);
+            const double length = 2 * (epsilon + static_cast<double>(chord) * radius);
+            const double spacing = grid.axis().spacing;
+            return {policies.falloff, epsilon / spacing, length / spacing, grid.axis().bin_count};
+        }
+    }
+    BILLOW_ASSERT(grid.contribution_unit() == 1);
+    return {};
+}
+
 }  // namespace detail
+
+/// A grid that rasterize_density can fill fastest with these policies.
+template <class Policies>
+[[nodiscard]] density_grid make_density_grid(const Policies&, std::size_t row_count,
+                                             const offset_axis& axis, double scale) {
+    return {row_count, axis, scale, Policies::falls ? detail::falloff_kernel::unit : 1};
+}
 
 /// Adds faces to every row of a density grid, or removes faces that were added before.
 ///
@@ -242,7 +394,7 @@ void add_block(const ramp_block& block, std::size_t count, const axis_lanes<V>& 
 ///         same cells, policies and epsilon as when the faces were added.
 /// Gives   contributions ≥ 0, and exactly 0 when all faces have been removed; the same integers for
 ///         any number of threads and any order of faces.
-/// Cost    O(faces · rows), parallel over rows, no allocation.
+/// Cost    O(faces · rows), parallel over rows; under a falloff some 30 kB a row and thread.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.6.
 template <class V = simd::wide, validity<V> Validity, contribution<V> Contribution,
           penalty<V> Penalty, falloff<V> Falloff, orientation_bias Bias>
@@ -253,22 +405,39 @@ void rasterize_density(
     parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
+    const detail::falloff_kernel kernel = detail::kernel_for(policies, grid, cells, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    // Few faces are weighted one by one, many are counted by key first.
+    const std::size_t keys = faces.size > kernel.key_count() ? kernel.key_count() : 0;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
+        std::vector<std::int64_t> counts((end - begin) * keys);
+        const auto counts_of = [&](std::size_t row) {
+            return std::span(counts).subspan((row - begin) * keys, keys);
+        };
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);
             for (std::size_t row = begin; row < end; ++row) {
                 const cell_lanes<V> cell(cells[row]);
-                if (!detail::fill_ramp_block(faces, first, count, cell, axis, policies, block)) {
+                if (!detail::fill_ramp_block(faces, first, count, cell, axis, policies, kernel,
+                                             block)) {
                     continue;
                 }
                 if (change == density_change::add) {
-                    detail::add_block<1>(block, count, axis, policies, grid, row);
+                    detail::add_block<1>(block, count, axis, policies, kernel, counts_of(row), grid,
+                                         row);
                 } else {
-                    detail::add_block<-1>(block, count, axis, policies, grid, row);
+                    detail::add_block<-1>(block, count, axis, policies, kernel, counts_of(row),
+                                          grid, row);
                 }
+            }
+        }
+        const std::int64_t sign = change == density_change::add ? 1 : -1;
+        for (std::size_t row = begin; row < end && keys > 0; ++row) {
+            const std::span<const std::int64_t> of_row = counts_of(row);
+            for (std::size_t key = 0; key < keys; ++key) {
+                if (of_row[key] != 0) kernel.add(key, sign * of_row[key], grid.contribution(row));
             }
         }
     });

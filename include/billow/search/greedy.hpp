@@ -91,7 +91,9 @@ public:
           rows_(make_rows(space_)),
           cells_(make_cells()),
           weights_(cells_, policies_.bias, options.distribution),
-          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {}
+          grid_(with_grid_policies([&](const auto& used) {
+              return make_density_grid(used, rows_.size(), make_axis(), density_scale(remaining_));
+          })) {}
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
         result_.cloud.bounds = remaining_.bounds;
@@ -299,16 +301,19 @@ private:
         }
     }
 
-    void change_density(const face_table& faces, density_change change) {
-        const auto with = [&](const auto& policies) {
-            rasterize_density(faces, cells(), policies, epsilon_, grid_, change, threads_);
-        };
+    /// Calls `use` with the policies of the grid: falloff_use may leave the falloff to refinement.
+    template <class Use>
+    auto with_grid_policies(const Use& use) const {
         if constexpr (std::remove_cvref_t<decltype(policies_)>::falls) {
-            if (options_.falloff != falloff_use::everywhere) {
-                return with(without_falloff(policies_));
-            }
+            if (options_.falloff != falloff_use::everywhere) return use(without_falloff(policies_));
         }
-        with(policies_);
+        return use(policies_);
+    }
+
+    void change_density(const face_table& faces, density_change change) {
+        with_grid_policies([&](const auto& used) {
+            rasterize_density(faces, cells(), used, epsilon_, grid_, change, threads_);
+        });
     }
 
     /// After max_planes every face keeps a plane; what is skipped goes to the nearest sensible one.

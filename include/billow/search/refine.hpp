@@ -109,7 +109,7 @@ public:
             for (std::size_t row = 0; row < grid.row_count(); ++row) {
                 const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
                 grid.for_each_bin(row, [&](int at, std::int64_t c, std::int64_t p) {
-                    const double contribution = static_cast<double>(c) / grid.scale();
+                    const double contribution = static_cast<double>(c) / grid.contribution_scale();
                     const double density =
                         worth(row, contribution, static_cast<double>(p) / grid.scale());
                     const double up = 2 * at + 1 - per_axis_;
