@@ -43,4 +43,5 @@
 #include <billow/io/image_file.hpp>
 #include <billow/io/loaded_mesh.hpp>
 #include <billow/io/mesh_file.hpp>
+#include <billow/io/mip_files.hpp>
 #include <billow/io/obj.hpp>
