@@ -53,6 +53,22 @@ macro(billow_find_io missing)
         APT libtinyobjloader-dev VCPKG tinyobjloader)
 endmacro()
 
+# What billow::io uses where it is there: makes billow::libdeflate, which tells the headers so.
+# libdeflate has a CMake config of its own only since 1.15.
+macro(billow_find_libdeflate)
+    find_path(BILLOW_LIBDEFLATE_H_DIR libdeflate.h DOC "Folder of libdeflate.h")
+    find_library(BILLOW_LIBDEFLATE_LIBRARY
+        NAMES deflate libdeflate deflatestatic libdeflatestatic DOC "libdeflate")
+    mark_as_advanced(BILLOW_LIBDEFLATE_H_DIR BILLOW_LIBDEFLATE_LIBRARY)
+    if(BILLOW_LIBDEFLATE_H_DIR AND BILLOW_LIBDEFLATE_LIBRARY AND NOT TARGET billow::libdeflate)
+        add_library(billow::libdeflate INTERFACE IMPORTED GLOBAL)
+        set_target_properties(billow::libdeflate PROPERTIES
+            INTERFACE_INCLUDE_DIRECTORIES "${BILLOW_LIBDEFLATE_H_DIR}"
+            INTERFACE_LINK_LIBRARIES "${BILLOW_LIBDEFLATE_LIBRARY}"
+            INTERFACE_COMPILE_DEFINITIONS BILLOW_HAS_LIBDEFLATE)
+    endif()
+endmacro()
+
 # What billow::reduce needs beyond billow::billow.
 macro(billow_find_reduce missing)
     billow_find(${missing} TARGET meshoptimizer::meshoptimizer PACKAGE meshoptimizer

@@ -7,6 +7,7 @@ packages=(
     g++ make cmake python3
     libglm-dev libeigen3-dev libstb-dev
     libtinygltf-dev nlohmann-json3-dev libtinyobjloader-dev libmeshoptimizer-dev
+    libdeflate-dev
     libcli11-dev doctest-dev libbenchmark-dev
 )
 # At home the glTF validator's tests are skipped without node, in CI they may not be.
@@ -16,10 +17,11 @@ fi
 
 if ! command -v apt-get >/dev/null; then
     echo "billow needs a C++20 compiler, CMake 3.25, Python 3.8 and these packages:"
-    echo "  brew install cmake libomp glm eigen nlohmann-json meshoptimizer cli11 doctest google-benchmark"
+    echo "  brew install cmake libomp glm eigen nlohmann-json meshoptimizer libdeflate cli11 \
+doctest google-benchmark"
     echo "  vcpkg install stb tinygltf tinyobjloader   (with brew for the others), or all of it:"
     echo "  vcpkg install glm eigen3 stb tinygltf nlohmann-json tinyobjloader meshoptimizer \
-cli11 doctest benchmark"
+libdeflate cli11 doctest benchmark"
     echo "For vcpkg set CMAKE_TOOLCHAIN_FILE in the environment to its vcpkg.cmake."
     exit 0
 fi

@@ -1,4 +1,5 @@
-// Images as files: PNG, JPEG, BMP and TGA in, PNG out, through stb_image and stb_image_write.
+// Images as files: PNG, JPEG, BMP and TGA in, PNG out, through stb_image and, where
+// BILLOW_HAS_LIBDEFLATE is not defined, stb_image_write.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +15,7 @@
 #include <billow/core/expected.hpp>
 #include <billow/image/image.hpp>
 #include <billow/io/file.hpp>
+#include <billow/io/png_file.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -100,6 +102,10 @@ namespace detail {
 [[nodiscard]] inline std::vector<std::uint8_t> encode_png(const image& picture) {
     BILLOW_ASSERT(!picture.empty() && picture.channels >= 1 && picture.channels <= 4);
     std::vector<std::uint8_t> bytes;
+#if defined(BILLOW_HAS_LIBDEFLATE)
+    bytes = encode_png_deflate(picture);
+    if (!bytes.empty()) return bytes;
+#endif
     const auto append = [](void* to, void* from, int size) {
         const auto* first = static_cast<const std::uint8_t*>(from);
         static_cast<std::vector<std::uint8_t>*>(to)->assign(first, first + size);
