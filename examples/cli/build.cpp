@@ -1,5 +1,6 @@
 // billow build: a mesh file in, a billboard cloud as one GLB out.
 
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -22,18 +23,27 @@ struct build_arguments {
     std::filesystem::path output{};
     std::filesystem::path report{};
     std::filesystem::path atlas_png{};
+    std::string mips = "none";
     unsigned threads = 0;
     bool is_quiet = false;
 };
 
-expected<done> write_results(const build_arguments& arguments, const build_result& result) {
-    auto written = write_glb(arguments.output, result.to_mesh(), {.threads = {arguments.threads}});
-    if (!written || arguments.atlas_png.empty()) return written;
-    for (std::size_t i = 0; i < result.baked.atlases.size(); ++i) {
+/// Gives the files of mip levels; the others are named by the arguments.
+expected<mip_files> write_results(const build_arguments& arguments, const build_result& result,
+                                  int padding) {
+    const parallel threads{arguments.threads};
+    auto written = write_glb(arguments.output, result.to_mesh(), {.threads = threads});
+    if (!written) return written.error();
+    for (std::size_t i = 0; !arguments.atlas_png.empty() && i < result.baked.atlases.size(); ++i) {
         auto png = write_png(numbered(arguments.atlas_png, i), result.baked.atlases[i].base_color);
-        if (!png) return png;
+        if (!png) return png.error();
     }
-    return done{};
+    const auto format = arguments.mips == "dds"   ? mip_format::dds
+                        : arguments.mips == "png" ? mip_format::png
+                                                  : mip_format::none;
+    auto stem = arguments.output;
+    return write_mips(stem.replace_extension(), result.baked, format, {.padding = padding},
+                      threads);
 }
 
 exit_code build(const build_arguments& arguments, const cloud_options& options) {
@@ -59,9 +69,8 @@ exit_code build(const build_arguments& arguments, const cloud_options& options) 
     watch.lap();
 
     progress("write", 0);
-    if (const auto written = write_results(arguments, *result); !written) {
-        return progress.clear(), fail(written.error());
-    }
+    const auto mips = write_results(arguments, *result, how.whole.options.bake.padding);
+    if (!mips) return progress.clear(), fail(mips.error());
     seconds.write = watch.lap();
     seconds.total = watch.total();
     const finished_build finished{arguments.input, arguments.output, how,
@@ -72,7 +81,13 @@ exit_code build(const build_arguments& arguments, const cloud_options& options) 
         }
     }
     progress.clear();
-    if (!arguments.is_quiet) print_summary(finished);
+    if (arguments.is_quiet) return success;
+    print_summary(finished);
+    if (!mips->names.empty()) {
+        std::printf("mips: %zu files, %s to %s; %d levels keep tiles apart\n", mips->names.size(),
+                    mips->names.front().string().c_str(), mips->names.back().string().c_str(),
+                    mips->safe_levels);
+    }
     return success;
 }
 
@@ -102,6 +117,12 @@ void add_build(CLI::App& tool, exit_code& result) {
         ->group("Output");
     verb->add_option("--atlas-png", a.atlas_png,
                      "Write the atlas' colours: .png; further atlases get _1, _2, ...")
+        ->group("Output");
+    verb->add_option("--mips", a.mips,
+                     "Write mip levels that draw as much of every tile as the atlas does, beside "
+                     "the output: NAME_basecolor.dds ..., or NAME_basecolor_mip0.png ...")
+        ->check(CLI::IsMember({"none", "png", "dds"}))
+        ->capture_default_str()
         ->group("Output");
     verb->add_option("--threads", a.threads,
                      "Threads, 0: all; the cloud is the same for any number")
