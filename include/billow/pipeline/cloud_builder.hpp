@@ -68,10 +68,8 @@ public:
             found.cloud.epsilon = told.epsilon;
             found.cloud.plane_of_face.assign(source_.face_count(), no_id);
         } else {
-            greedy_options how = plan.search;
-            how.epsilon = told.epsilon;
-            found = greedy_search(select_rows(faces_, rows, options_.threads), source_.face_count(),
-                                  how, method, options_.threads, progress_of(rows.size()));
+            found = find_planes(select_rows(faces_, rows, options_.threads), plan, method);
+            told.epsilon = found.cloud.epsilon;
             rows_done_ += rows.size();
         }
         count_faces(part, found.cloud, told.faces);
