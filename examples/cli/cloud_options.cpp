@@ -3,6 +3,7 @@
 #include "cloud_options.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "shared.hpp"
@@ -52,6 +53,24 @@ void choose_weld(recipe& how, const std::string& name) {
                                                      : weld_kind::none;
 }
 
+bool is_given(const CLI::Option* option) { return option->count() > 0; }
+
+/// Divides the number of planes that was asked for: a part gets its share of the roots of the areas,
+/// for planes grow slower than area; at least one.
+void divide_planes(recipe& foliage, recipe& trunk, double foliage_area_share) {
+    const double of_foliage = std::sqrt(foliage_area_share);
+    const double of_trunk = std::sqrt(1 - foliage_area_share);
+    const auto divide = [&](std::size_t& foliage_planes, std::size_t& trunk_planes) {
+        const std::size_t all = foliage_planes;
+        if (all == 0) return;
+        const double wanted = double(all) * of_trunk / (of_trunk + of_foliage);
+        trunk_planes = std::clamp<std::size_t>(std::size_t(std::round(wanted)), 1, all - 1);
+        foliage_planes = all - trunk_planes;
+    };
+    divide(foliage.options.planes, trunk.options.planes);
+    divide(foliage.options.search.max_planes, trunk.options.search.max_planes);
+}
+
 const CLI::IsMember contribution_names{{"projected", "angular"}};
 const CLI::IsMember weld_names{{"none", "first", "intersection", "online"}};
 
@@ -74,7 +93,11 @@ void cloud_options::check() const {
             throw CLI::ValidationError("--padding", "leaves no room within --max-atlas");
         }
     }
-    (void)parse_trunk(trunk_);
+    const bool is_for_trunk = parse_trunk(trunk_).first != trunk_use::billboards ||
+                              std::ranges::any_of(trunk_options_, is_given);
+    if (split_ == "off" && is_for_trunk) {
+        throw CLI::ValidationError("--split", "off leaves no trunk for the options of trunks");
+    }
 }
 
 void cloud_options::change_all(recipe& how, bool is_trunk) const {
@@ -89,9 +112,8 @@ model_description cloud_options::look_at(const mesh& source) const {
 
 bool cloud_options::wants_split(const model_description& model) const {
     if (split_ != "auto") return split_ == "on";
-    const bool is_asked =
-        !foliage_materials_.empty() || trunk_ != "billboards" ||
-        std::ranges::any_of(trunk_options_, [](const auto* o) { return o->count() > 0; });
+    const bool is_asked = !foliage_materials_.empty() || trunk_ != "billboards" ||
+                          std::ranges::any_of(trunk_options_, is_given);
     const bool is_for_trees = preset_ == "auto" || preset_ == "tree";
     return is_asked || (is_for_trees && model.kind == model_kind::split);
 }
@@ -102,22 +124,35 @@ model_recipe cloud_options::recipe_for(const mesh& source) const {
     result.preset = preset_;
     if (preset_ == "auto" || split_ == "auto") result.note = model.reason;
     const bool has_both = model.roles.foliage_area_share > 0 && model.roles.foliage_area_share < 1;
-    if (wants_split(model) && has_both) {
-        result.whole = foliage_recipe(preset_);
-        result.trunk = trunk_recipe(preset_);
-        change_all(*result.trunk, true);
-        result.roles = model.roles;
-        std::tie(result.use, result.reduced_share) = parse_trunk(trunk_);
-    } else {
-        result.whole =
-            model.kind == model_kind::solid ? solid_recipe(preset_) : foliage_recipe(preset_);
+    if (!wants_split(model) || !has_both) {
+        result.whole = recipe_for_whole(model);
+        if (wants_split(model)) result.note = model.reason + "; there is nothing to split";
+        return result;
     }
+    result.whole = foliage_recipe(preset_);
     change_all(result.whole, false);
+    std::tie(result.use, result.reduced_share) = parse_trunk(trunk_);
+    const build_options& asked = result.whole.options;
+    const bool has_billboards = result.use == trunk_use::billboards;
+    if (has_billboards && (asked.planes == 1 || asked.search.max_planes == 1)) {
+        result.whole = recipe_for_whole(model);  // one plane is for both
+        return result;
+    }
+    result.trunk = trunk_recipe(preset_);
+    change_all(*result.trunk, true);
+    result.roles = model.roles;
+    if (has_billboards) {
+        divide_planes(result.whole, *result.trunk, model.roles.foliage_area_share);
+    }
     return result;
 }
 
 recipe cloud_options::recipe_for_whole(const mesh& source) const {
-    const bool is_solid = look_at(source).kind == model_kind::solid;
+    return recipe_for_whole(look_at(source));
+}
+
+recipe cloud_options::recipe_for_whole(const model_description& model) const {
+    const bool is_solid = model.kind == model_kind::solid;
     recipe how = is_solid ? solid_recipe(preset_) : foliage_recipe(preset_);
     change_all(how, false);
     return how;
@@ -145,14 +180,21 @@ void cloud_options::add_plane_options() {
                      [](recipe& how, const std::string& text) {
                          how.options.epsilon = parse_tolerance("--epsilon", text);
                      });
-    add<std::size_t>("--planes", "0",
-                     "About so many planes: epsilon is searched for; 0: epsilon is as given",
-                     [](recipe& how, std::size_t planes) { how.options.planes = planes; })
-        ->check(CLI::Range(0, 100000));
-    add<std::size_t>("--max-planes", "0",
-                     "Most planes, 0: as many as epsilon asks for; faces that are left go to the "
-                     "plane of least error, beyond epsilon",
-                     [](recipe& how, std::size_t most) { how.options.search.max_planes = most; });
+    CLI::Option* about =
+        add<std::size_t>("--planes", "0",
+                         "About so many planes: epsilon is searched for; 0: epsilon is as given",
+                         [](recipe& how, std::size_t planes) { how.options.planes = planes; })
+            ->check(CLI::Range(0, 100000));
+    CLI::Option* at_most = add<std::size_t>(
+        "--max-planes", "0",
+        "Most planes, 0: as many as epsilon asks for; faces that are left go to the "
+        "plane of least error, beyond epsilon; without cardboard planes, unless "
+        "--cardboard is given",
+        [](recipe& how, std::size_t most) {
+            how.options.search.max_planes = most;
+            if (most > 0) how.options.cardboard.min_coverage = 0;
+        });
+    at_most->excludes(about);
     add<std::string>("--plane-space", "cube", "How normals are sampled",
                      [](recipe& how, const std::string& name) {
                          const int raster = how.method.space.resolution();

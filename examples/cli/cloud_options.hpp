@@ -69,6 +69,7 @@ private:
     void add_trunk_options();
     void add_texture_options();
 
+    [[nodiscard]] recipe recipe_for_whole(const billow::model_description& model) const;
     [[nodiscard]] bool wants_split(const billow::model_description& model) const;
     [[nodiscard]] billow::model_description look_at(const billow::mesh& source) const;
     void change_all(recipe& how, bool is_trunk) const;

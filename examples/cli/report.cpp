@@ -79,6 +79,7 @@ json options_json(const recipe& how) {
     chosen["falloff_strength"] = density.falloff.strength;
     chosen["horizontal_penalty"] = density.bias.horizontal_share;
     chosen["fly_over"] = density.bias.vertical_share;
+    chosen["up"] = density.bias.up.x > 0 ? "x" : density.bias.up.y > 0 ? "y" : "z";
     chosen["distribution"] = options.search.distribution.strength;
     chosen["refine"] = name_of(options.search.refine);
     chosen["fit"] = how.method.fitter.name();
@@ -128,6 +129,7 @@ json welding_json(const build_result& result) {
         state["torn_length"] = cracks.torn_length;
         state["area"] = cracks.area;
     };
+    if (result.moved.empty()) return told;  // cracks are not measured
     tell_cracks("cracks_before", result.cracks);
     tell_cracks("cracks_after", result.cracks_drawn);
     return told;
