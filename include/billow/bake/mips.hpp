@@ -305,8 +305,8 @@ private:
 /// alpha, normals have unit length again, and each texel is made of one tile's texels alone: of the
 /// tile in whose padding its middle lies.
 ///
-/// Of a tile, cutoff alpha draws the same area on every level to within 2 % as long as some twenty
-/// texels of it are drawn; below that a level is too coarse to say it.
+/// Of a tile, an alpha test draws the same area on every safe level to within 2 % as long as some
+/// twenty texels of it are drawn; fewer are too coarse to say it.
 ///
 /// Needs  what fill_borders has filled, tiles whose paddings do not overlap; cutoff in (0, 1].
 /// Cost   O(texels), parallel over rows and tiles; 16 bytes a texel of the atlas while it works.
