@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include <billow/bake/mips.hpp>
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/core/random.hpp>
 #include <billow/improve/cardboard.hpp>
@@ -46,6 +47,17 @@ void cardboard(benchmark::State& state, const bench::scene& scene) {
     state.counters["added"] = static_cast<double>(added);
 }
 
+void mips(benchmark::State& state, const bench::scene& scene, unsigned threads) {
+    billboard_cloud cloud = cloud_of(scene);
+    const baked_cloud baked = bake_cloud(scene.mesh, scene.faces, cloud, {}, {});
+    double texels = 0;
+    for (const atlas& a : baked.atlases) texels += static_cast<double>(a.width()) * a.height();
+    std::size_t levels = 0;
+    bench::repeat(state, {"ms_per_megatexel", 1e3, texels / 1e6},
+                  [&] { levels = make_mips(baked, {}, {threads})[0].base_color.size(); });
+    state.counters["levels"] = static_cast<double>(levels);
+}
+
 void pack(benchmark::State& state, std::size_t size) {
     random_stream random(1);
     std::vector<ivec2> tiles;
@@ -63,6 +75,9 @@ const bool rows = [] {
         bench::add_row(
             "bake.bake_cloud/leaf_soup", 1'000, "scalar", threads,
             [=](benchmark::State& state) { bake(state, bench::leaves(1'000), threads); });
+        bench::add_row(
+            "bake.mips/leaf_soup", 1'000, "scalar", threads,
+            [=](benchmark::State& state) { mips(state, bench::leaves(1'000), threads); });
         bench::add_row(
             "bake.bake_cloud/broadleaf", 20'000, "scalar", threads, [=](benchmark::State& state) {
                 static const bench::scene tree(*grow(*with_face_count(broadleaf(), 20'000, 1), 1));
