@@ -185,15 +185,17 @@ void cloud_options::add_plane_options() {
                          "About so many planes: epsilon is searched for; 0: epsilon is as given",
                          [](recipe& how, std::size_t planes) { how.options.planes = planes; })
             ->check(CLI::Range(0, 100000));
-    CLI::Option* at_most = add<std::size_t>(
-        "--max-planes", "0",
-        "Most planes, 0: as many as epsilon asks for; faces that are left go to the "
-        "plane of least error, beyond epsilon; without cardboard planes, unless "
-        "--cardboard is given",
-        [](recipe& how, std::size_t most) {
-            how.options.search.max_planes = most;
-            if (most > 0) how.options.cardboard.min_coverage = 0;
-        });
+    CLI::Option* at_most =
+        add<std::size_t>(
+            "--max-planes", "0",
+            "Most planes, 0: as many as epsilon asks for; faces that are left go to the "
+            "plane of least error, beyond epsilon; without cardboard planes, unless "
+            "--cardboard is given",
+            [](recipe& how, std::size_t most) {
+                how.options.search.max_planes = most;
+                if (most > 0) how.options.cardboard.min_coverage = 0;
+            })
+            ->check(CLI::Range(0, 1000000));
     at_most->excludes(about);
     add<std::string>("--plane-space", "cube", "How normals are sampled",
                      [](recipe& how, const std::string& name) {
@@ -284,9 +286,11 @@ void cloud_options::add_density_options() {
                                                                       : falloff_use::refinement;
                      })
         ->check(CLI::IsMember({"on", "off", "refine"}));
-    add<double>(
-        "--falloff-strength", "1", "1: half at epsilon, 0.25: four fifths",
-        [](recipe& how, double strength) { how.method.policies.falloff.strength = strength; })
+    add<double>("--falloff-strength", "1", "1: half at epsilon, 0.25: four fifths, 0: off",
+                [](recipe& how, double strength) {
+                    how.method.policies.falloff.strength = strength;
+                    if (strength == 0) how.options.search.falloff = falloff_use::nowhere;
+                })
         ->check(CLI::Range(0.0, 100.0));
     add<std::string>(
         "--horizontal-penalty", "0%; foliage of trees: 60%",

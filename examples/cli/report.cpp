@@ -59,10 +59,14 @@ const char* name_of(weld_kind kind) {
     return "";
 }
 
+/// Without the noise of the way to radians and back.
+double degrees_of(double radians) {
+    return std::round(radians * (180 / std::numbers::pi) * 1e4) / 1e4;
+}
+
 json options_json(const recipe& how) {
     const build_options& options = how.options;
     const tool_policies& density = how.method.policies;
-    constexpr double degrees = 180 / std::numbers::pi;
     json chosen;
     chosen["epsilon"] = text_of(options.epsilon);
     chosen["planes"] = options.planes;
@@ -72,7 +76,7 @@ json options_json(const recipe& how) {
     chosen["rho_rate"] = options.search.rho_rate;
     chosen["contribution"] = density.contribution.is_angular ? "angular" : "projected";
     chosen["normal_threshold"] =
-        degrees * std::acos(static_cast<double>(density.contribution.least_cosine));
+        degrees_of(std::acos(static_cast<double>(density.contribution.least_cosine)));
     chosen["penalty"] = density.penalty.weight;
     chosen["penalty_in_refinement"] = options.search.penalty_in_refinement;
     chosen["falloff"] = name_of(options.search.falloff);
@@ -87,7 +91,7 @@ json options_json(const recipe& how) {
     chosen["min_contribution"] = options.search.min_contribution;
     chosen["compact"] = how.method.grouping.is_compact;
     chosen["weld"] = how.method.motion.is_welding ? "online" : name_of(options.weld.kind);
-    chosen["weld_angle"] = degrees * options.weld.min_angle;
+    chosen["weld_angle"] = degrees_of(options.weld.min_angle);
     chosen["cardboard"] = options.cardboard.min_coverage;
     return chosen;
 }
