@@ -7,6 +7,7 @@
 #include <string>
 
 #include <billow/io.hpp>
+#include <billow/plants/species.hpp>
 #include <billow/shapes/box.hpp>
 #include <billow/shapes/leaf_soup.hpp>
 #include <billow/shapes/teapot.hpp>
@@ -33,6 +34,7 @@ int main(int argc, char** argv) {
     put("cube.glb", textured_cube());
     put("teapot.glb", teapot(3));
     put("leaves.glb", leaf_soup(2000, {.edge = 0.1f}));
+    put("tree.glb", *tree_of_about(1500, 1));
     put("empty.glb", mesh{});
     mesh one;
     one.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
@@ -64,5 +66,9 @@ int main(int argc, char** argv) {
                std::string(whole->begin(),
                            whole->begin() + static_cast<std::ptrdiff_t>(whole->size() / 2)));
     write_text(folder / "options.toml", "[build]\nepsilon = \"20%\"\nmax-planes = 3\n");
+    write_text(folder / "planes.toml",
+               "[build]\npreset = \"classic\"\nfalloff = \"on\"\nhorizontal-penalty = \"30%\"\n"
+               "weld = \"first\"\ncompact = true\nfoliage-materials = [\"leaf*\"]\n"
+               "trunk-epsilon = \"2%\"\n");
     return is_written ? 0 : 1;
 }
