@@ -111,6 +111,19 @@ TEST_SUITE("pipeline") {
         REQUIRE(built);
         CHECK(built->cloud.epsilon == 0.125);
     }
+    TEST_CASE("about as many planes as asked for, and the epsilon that they keep") {
+        const mesh m = leaf_soup(400, {.edge = 0.2f});
+        for (const std::size_t planes : {12u, 30u}) {
+            build_options options = small(0.1);
+            options.planes = planes;
+            const auto built = build_cloud(m, options);
+            REQUIRE(built);
+            const auto found = static_cast<double>(built->cloud.plane_count());
+            CHECK(std::abs(found - static_cast<double>(planes)) <= 2);
+            CHECK(built->parts[0].epsilon == built->cloud.epsilon);
+            CHECK(built->errors.max_error <= built->cloud.epsilon * (1 + 1e-9));
+        }
+    }
     TEST_CASE("a mesh without area gives a cloud without planes") {
         for (const mesh& m : {mesh{}, support::triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}})}) {
             const auto built = build_cloud(m);
