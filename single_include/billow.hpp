@@ -704,10 +704,11 @@ struct half_plane {
     double limit = 0;
 };
 
-using polygon = std::vector<dvec2>;
+using outline_corners = std::vector<dvec2>;
 
 /// The part of a convex polygon within a half plane, corners closer than `slack` merged.
-inline void cut_polygon(const polygon& from, const half_plane& keep, double slack, polygon& to) {
+inline void cut_polygon(const outline_corners& from, const half_plane& keep, double slack,
+                        outline_corners& to) {
     to.clear();
     const auto add = [&](const dvec2& p) {
         if (to.empty() || glm::distance(to.back(), p) > slack) to.push_back(p);
@@ -763,15 +764,15 @@ inline void cut_polygon(const polygon& from, const half_plane& keep, double slac
                                                         const dvec2& low, const dvec2& high,
                                                         int most_corners) {
     BILLOW_ASSERT(most_corners >= 4);
-    const detail::polygon rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
+    detail::outline_corners rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
     if (hull.empty()) return rectangle;
     const double slack = 1e-9 * glm::distance(low, high);
     const std::vector<detail::half_plane> lines = detail::touching_lines(hull);
     const auto most = static_cast<std::size_t>(most_corners);
 
-    detail::polygon cut;
+    detail::outline_corners cut;
     /// The line that leaves the least of `from`, within `room` corners.
-    const auto best_cut = [&](const detail::polygon& from) {
+    const auto best_cut = [&](const detail::outline_corners& from) {
         std::size_t best = lines.size();
         double least = doubled_area(from) * (1 - 1e-9);
         for (std::size_t i = 0; i < lines.size(); ++i) {
@@ -782,7 +783,7 @@ inline void cut_polygon(const polygon& from, const half_plane& keep, double slac
         return best;
     };
     const auto polygon_of = [&](const std::vector<std::size_t>& cuts) {
-        detail::polygon result = rectangle;
+        detail::outline_corners result = rectangle;
         for (const std::size_t i : cuts) {
             detail::cut_polygon(result, lines[i], slack, cut);
             std::swap(result, cut);
@@ -791,7 +792,7 @@ inline void cut_polygon(const polygon& from, const half_plane& keep, double slac
     };
 
     std::vector<std::size_t> cuts;
-    detail::polygon result = rectangle;
+    detail::outline_corners result = rectangle;
     const auto extend = [&] {
         for (std::size_t i; cuts.size() < 2 * most && (i = best_cut(result)) < lines.size();) {
             cuts.push_back(i);
@@ -803,7 +804,7 @@ inline void cut_polygon(const polygon& from, const half_plane& keep, double slac
         const double before = doubled_area(result);
         for (std::size_t drop = 0; drop < cuts.size(); ++drop) {
             const std::vector<std::size_t> kept_cuts = cuts;
-            const detail::polygon kept = result;
+            const detail::outline_corners kept = result;
             cuts.erase(cuts.begin() + static_cast<std::ptrdiff_t>(drop));
             result = polygon_of(cuts);
             if (result.size() <= most) extend();
@@ -1087,7 +1088,8 @@ private:
     }
 
     [[nodiscard]] static float blocks_for(std::size_t count) noexcept {
-        return static_cast<float>((count + width - 1) / width);
+        const std::size_t blocks = (count + width - 1) / width;
+        return static_cast<float>(blocks);
     }
 
     /// Sorts items to two sides of a plane between bins of centres; gives how many are on the left.
@@ -1266,6 +1268,109 @@ private:
 
 }  // namespace billow::inline BILLOW_ABI
 
+// ---- billow/image/alpha_coverage.hpp
+// How much of a picture an alpha test draws, and the factor on alpha that keeps it so.
+//
+// Castaño, "Computing alpha mipmaps", 2010, who counts samples of a whole texture. Here the area is
+// that under bilinear filtering, as a graphics card draws it: a count of texels jumps, for on the
+// first levels alpha has but a few values.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// Columns [x, x + width) and rows [y, y + height) of an alpha channel. Outside of them the nearest
+/// texel of the block is read, as by a texture that is clamped.
+struct alpha_block {
+    std::span<const float> alpha{};  ///< 0 to 1, rows from top to bottom
+    int stride = 0;                  ///< texels a row
+    int x = 0;
+    int y = 0;
+    int width = 0;
+    int height = 0;
+
+    [[nodiscard]] float at(int column, int row) const noexcept {
+        const auto i = static_cast<std::size_t>(std::clamp(column, x, x + width - 1));
+        const auto j = static_cast<std::size_t>(std::clamp(row, y, y + height - 1));
+        return alpha[j * static_cast<std::size_t>(stride) + i];
+    }
+};
+
+/// The area between `low` and `high` where alpha · scale, at most 1, is at least `cutoff` once it is
+/// filtered bilinearly.
+///
+/// Unit   texels and texels squared; the texel of column 0 reaches from 0 to 1.
+/// Needs  a block that is not empty; cutoff in (0, 1].
+/// Cost   O(texels). Exact along x, four lines a texel along y.
+[[nodiscard]] inline double drawn_area(const alpha_block& block, const dvec2& low,
+                                       const dvec2& high, float scale, float cutoff) noexcept {
+    constexpr int lines = 4;
+    const auto first = [](double at) { return static_cast<int>(std::floor(at - 0.5)); };
+    const auto last = [](double at) { return static_cast<int>(std::ceil(at - 0.5)) - 1; };
+    const auto at = [&](int i, int j) { return std::min(1.0f, scale * block.at(i, j)); };
+    double area = 0;
+    // A cell lies between the middles of four texels.
+    for (int j = first(low.y); j <= last(high.y); ++j) {
+        const double top = std::max(0.0, low.y - (j + 0.5));
+        const double height = std::min(1.0, high.y - (j + 0.5)) - top;
+        float a = at(first(low.x), j);
+        float b = at(first(low.x), j + 1);
+        for (int i = first(low.x); i <= last(high.x); ++i) {
+            const float c = at(i + 1, j);
+            const float d = at(i + 1, j + 1);
+            const double left = std::max(0.0, low.x - (i + 0.5));
+            const double width = std::min(1.0, high.x - (i + 0.5)) - left;
+            double share = 0;
+            if (std::min({a, b, c, d}) >= cutoff) {
+                share = 1;
+            } else if (std::max({a, b, c, d}) >= cutoff) {
+                for (int k = 0; k < lines; ++k) {
+                    const double t = top + (k + 0.5) / lines * height;
+                    const double from = a + (b - a) * t;
+                    const double slope = c + (d - c) * t - from;
+                    const double p = from + slope * left;
+                    const double q = from + slope * (left + width);
+                    if (std::min(p, q) >= static_cast<double>(cutoff)) {
+                        share += 1.0 / lines;
+                    } else if (std::max(p, q) > static_cast<double>(cutoff)) {
+                        share += (std::max(p, q) - cutoff) / (std::abs(p - q) * lines);
+                    }
+                }
+            }
+            area += share * width * height;
+            a = c;
+            b = d;
+        }
+    }
+    return area;
+}
+
+/// The factor on alpha with which drawn_area is nearest to `wanted`, found by bisection; 1 where
+/// that is within a thousandth.
+///
+/// Cost   about 20 times drawn_area.
+[[nodiscard]] inline float alpha_scale(const alpha_block& block, const dvec2& low,
+                                       const dvec2& high, double wanted, float cutoff) noexcept {
+    const auto excess = [&](float scale) {
+        return drawn_area(block, low, high, scale, cutoff) - wanted;
+    };
+    const double plain = excess(1);
+    if (std::abs(plain) <= 1e-3 * wanted) return 1;
+    // Below `cutoff` nothing is drawn, above 255 all that a byte can hold.
+    float less = plain < 0 ? 1.0f : cutoff;
+    float more = plain < 0 ? 255.0f : 1.0f;
+    for (int i = 0; i < 18; ++i) {
+        const float middle = std::sqrt(less * more);
+        (excess(middle) < 0 ? less : more) = middle;
+    }
+    return -excess(less) <= excess(more) ? less : more;
+}
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/image/distance_field.hpp
 // Signed distance fields: alpha whose half value runs along an outline, however it is magnified.
 //
@@ -5436,18 +5541,23 @@ struct ramp {
 
 /// One row of bins an orientation, in contributions and in uncharged penalties (weight 1).
 ///
-/// Unit  1 / scale scene units squared.
+/// Unit  1 / scale scene units squared; contributions 1 / (scale · contribution_unit).
 class density_grid {
 public:
-    density_grid(std::size_t row_count, const offset_axis& axis, double scale)
+    density_grid(std::size_t row_count, const offset_axis& axis, double scale,
+                 int contribution_unit = 1)
         : axis_(axis),
           scale_(scale),
+          contribution_unit_(contribution_unit),
           contribution_(row_count * stride(axis)),
           penalty_(row_count * stride(axis)) {}
 
     [[nodiscard]] const offset_axis& axis() const noexcept { return axis_; }
     /// Units of the integers per scene unit squared.
     [[nodiscard]] double scale() const noexcept { return scale_; }
+    /// Units of a contribution per unit of a penalty: what weights are multiples of.
+    [[nodiscard]] int contribution_unit() const noexcept { return contribution_unit_; }
+    [[nodiscard]] double contribution_scale() const noexcept { return scale_ * contribution_unit_; }
     [[nodiscard]] std::size_t row_count() const noexcept {
         return contribution_.size() / stride(axis_);
     }
@@ -5481,6 +5591,7 @@ private:
 
     offset_axis axis_;
     double scale_;
+    int contribution_unit_;
     std::vector<ramp> contribution_;
     std::vector<ramp> penalty_;
 };
@@ -5506,7 +5617,7 @@ template <class Worth>
         dense_bin densest = none;
         for (std::size_t row = begin; row < end; ++row) {
             grid.for_each_bin(row, [&](int bin, std::int64_t contribution, std::int64_t penalty) {
-                const double c = static_cast<double>(contribution) / grid.scale();
+                const double c = static_cast<double>(contribution) / grid.contribution_scale();
                 const double density = worth(row, c, static_cast<double>(penalty) / grid.scale());
                 if (density > densest.density) densest = {row, bin, density, c};
             });
@@ -5530,6 +5641,7 @@ template <class Worth>
 #include <concepts>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 
 namespace billow::inline BILLOW_ABI {
@@ -5561,11 +5673,16 @@ template <class Validity, class Contribution, class Penalty, class Falloff, clas
     return density_policies{p.validity, p.contribution, p.penalty, no_falloff{}, p.bias};
 }
 
-/// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30.
+/// Integers per scene unit squared, such that the largest of the faces' contributions is 2^30, or all
+/// together are 2^50, whichever is less: weighted they stay within 64 bits.
 [[nodiscard]] inline double density_scale(const face_table& faces) noexcept {
     float largest = 0;
-    for (const float area : faces.area) largest = std::max(largest, area);
-    return largest > 0 ? 0x1p30 / static_cast<double>(largest) : 1;
+    double all = 0;
+    for (const float area : faces.area) {
+        largest = std::max(largest, area);
+        all += static_cast<double>(area);
+    }
+    return largest > 0 ? std::min(0x1p30 / static_cast<double>(largest), 0x1p50 / all) : 1;
 }
 
 enum class density_change { add, remove };
@@ -5588,6 +5705,70 @@ struct ramp_block {
     std::array<std::int32_t, size> height;  ///< 0: the face is not valid here
     std::array<starts, 4> start;
     samples sample;
+    std::array<std::int32_t, size> key;  ///< of a falloff's kernel
+};
+
+/// The weights of a falloff for valid offsets whose ends are rounded to quarters of a bin. Their
+/// number is small, so faces are counted by them first and weighted afterwards, all at once.
+class falloff_kernel {
+public:
+    static constexpr int parts = 4;       ///< of a bin
+    static constexpr int unit = 1 << 12;  ///< weights are multiples of 1 / unit
+
+    falloff_kernel() = default;
+
+    /// `most_length`: of valid offsets; longer ones are weighted as if they ended there. `epsilon`
+    /// and lengths in bins.
+    template <class Falloff>
+    falloff_kernel(const Falloff& weigh, double epsilon, double most_length, int bin_count)
+        : lengths_(static_cast<int>(std::ceil(most_length * parts)) + 2),
+          bins_(lengths_ / parts + 2),
+          bin_count_(bin_count),
+          weights_(static_cast<std::size_t>(parts * lengths_ * bins_)) {
+        std::size_t at = 0;
+        for (int low = 0; low < parts; ++low) {
+            for (int length = 0; length < lengths_; ++length) {
+                const double middle = (low + 0.5 * length) / parts;
+                for (int bin = 0; bin < bins_; ++bin) {
+                    const bool is_touched = bin * parts < low + length;
+                    const double distance = std::max(0.0, std::abs(bin + 0.5 - middle) - 0.5);
+                    const float weight =
+                        weigh(static_cast<float>(distance), static_cast<float>(epsilon));
+                    weights_[at++] =
+                        is_touched ? std::lround(static_cast<double>(weight) * unit) : 0;
+                }
+            }
+        }
+    }
+
+    [[nodiscard]] bool empty() const noexcept { return weights_.empty(); }
+    [[nodiscard]] int lengths() const noexcept { return lengths_; }
+    /// Bins before the axis that valid offsets may start in and still reach it.
+    [[nodiscard]] int lead() const noexcept { return bins_; }
+    /// Pairs of a rounded low end, from `lead` on, and a length: low · lengths() + length.
+    [[nodiscard]] std::size_t key_count() const noexcept {
+        return static_cast<std::size_t>((bin_count_ + lead() + 1) * parts * lengths_);
+    }
+
+    /// Adds `height` faces of the key to a row.
+    void add(std::size_t key, std::int64_t height, std::span<ramp> row) const noexcept {
+        const int low = static_cast<int>(key) / lengths_;
+        const int length = static_cast<int>(key) % lengths_;
+        const std::int64_t* weight =
+            weights_.data() + static_cast<std::size_t>((low % parts * lengths_ + length) * bins_);
+        const int first = low / parts - lead();
+        const int begin = std::max(first, 0);
+        const int end = std::min(first + bins_, bin_count_);
+        for (int bin = begin; bin < end; ++bin) {
+            row[static_cast<std::size_t>(bin)].before -= height * weight[bin - first];
+        }
+    }
+
+private:
+    int lengths_ = 0;  ///< in parts of a bin, that are told apart
+    int bins_ = 0;     ///< that the longest may touch
+    int bin_count_ = 0;
+    std::vector<std::int64_t> weights_{};
 };
 
 /// Constants of a grid in lanes.
@@ -5603,11 +5784,50 @@ struct axis_lanes {
           epsilon(simd::lanes<V>::fill(static_cast<float>(eps))) {}
 };
 
+/// Where the samples of lanes of faces lie that are valid from `low` to `high`, in bins.
+template <class V>
+void store_samples(V low, V high, V height, const axis_lanes<V>& axis, std::size_t i,
+                   ramp_block& block) noexcept {
+    using lanes = simd::lanes<V>;
+    const V zero = lanes::fill(0);
+    const auto clip = [&](V bins) { return simd::max(simd::min(bins, axis.bin_count), zero); };
+    const V end = clip(high);
+    const V whole = simd::to_float(simd::truncate(end));
+    const V begin = simd::to_float(simd::truncate(clip(low)));
+    lanes::store(block.sample.first.data() + i, begin);
+    // An interval that ends where a bin begins does not touch it.
+    const V last = simd::select(whole < end, whole, whole - lanes::fill(1));
+    lanes::store(block.sample.last.data() + i,
+                 simd::select(height >= lanes::fill(1), last, begin - lanes::fill(1)));
+    lanes::store(block.sample.middle.data() + i, (low + high) * lanes::fill(0.5f));
+}
+
+/// Their keys of a kernel.
+template <class V>
+void store_keys(V low, V high, const axis_lanes<V>& axis, std::size_t i,
+                const falloff_kernel& kernel, ramp_block& block) noexcept {
+    using lanes = simd::lanes<V>;
+    const auto fill = [](int value) { return lanes::fill(static_cast<float>(value)); };
+    const V zero = lanes::fill(0);
+    const V half = lanes::fill(0.5f);
+    const V parts = fill(falloff_kernel::parts);
+    // Truncation rounds down what is above 0: all of it is, with a lead before the axis.
+    const V lead = fill(kernel.lead());
+    const auto rounded = [&](V bins) {
+        const V at = simd::max(simd::min(bins + lead, axis.bin_count + lead + lead), zero);
+        return simd::to_float(simd::truncate(at * parts + half));
+    };
+    const V first = simd::min(rounded(low), (axis.bin_count + lead) * parts);
+    const V length =
+        simd::max(simd::min(rounded(high) - first, fill(kernel.lengths() - 1)), fill(1));
+    lanes::store(block.key.data() + i, simd::truncate(first * fill(kernel.lengths()) + length));
+}
+
 /// Fills a block for the faces [first, first + count) and one cell. Returns whether any is valid.
 template <class V, class Policies>
 bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t count,
                      const cell_lanes<V>& cell, const axis_lanes<V>& axis, const Policies& policies,
-                     ramp_block& block) noexcept {
+                     const falloff_kernel& kernel, ramp_block& block) noexcept {
     const V zero = simd::lanes<V>::fill(0);
     V highest = zero;
     for (std::size_t i = 0; i < count; i += simd::lanes<V>::count) {
@@ -5633,18 +5853,11 @@ bool fill_ramp_block(const face_table& faces, std::size_t first, std::size_t cou
                                   simd::truncate(exact_height * share));
         };
         if constexpr (Policies::falls) {
-            using lanes = simd::lanes<V>;
-            const V low = in_bins(valid.low);
-            const V high = in_bins(valid.high);
-            const V end = clip(high);
-            const V whole = simd::to_float(simd::truncate(end));
-            const V begin = simd::to_float(simd::truncate(clip(low)));
-            lanes::store(block.sample.first.data() + i, begin);
-            // An interval that ends where a bin begins does not touch it.
-            const V last = simd::select(whole < end, whole, whole - lanes::fill(1));
-            lanes::store(block.sample.last.data() + i,
-                         simd::select(height >= lanes::fill(1), last, begin - lanes::fill(1)));
-            lanes::store(block.sample.middle.data() + i, (low + high) * lanes::fill(0.5f));
+            if (kernel.empty()) {
+                store_samples<V>(in_bins(valid.low), in_bins(valid.high), height, axis, i, block);
+            } else {
+                store_keys<V>(in_bins(valid.low), in_bins(valid.high), axis, i, kernel, block);
+            }
         } else {
             put(0, valid.low);
             put(1, valid.high);
@@ -5725,17 +5938,67 @@ void add_ramps(const ramp_block& block, std::size_t count, std::span<ramp> contr
     }
 }
 
-/// Adds sign times a block of faces to one row of a grid.
+/// Adds sign times the samples of a block to one row, at once or counted by key.
+template <int Sign>
+void add_keys(const ramp_block& block, std::size_t count, const falloff_kernel& kernel,
+              std::span<std::int64_t> counts, std::span<ramp> row) noexcept {
+    if (counts.empty()) {
+        for (std::size_t i = 0; i < count; ++i) {
+            if (block.height[i] == 0) continue;
+            kernel.add(static_cast<std::size_t>(block.key[i]), std::int64_t{Sign} * block.height[i],
+                       row);
+        }
+    } else {
+        for (std::size_t i = 0; i < count; ++i) {
+            counts[static_cast<std::size_t>(block.key[i])] += block.height[i];
+        }
+    }
+}
+
+/// Adds sign times a block of faces to one row of a grid. `counts`: see add_keys.
 template <int Sign, class V, class Policies>
 void add_block(const ramp_block& block, std::size_t count, const axis_lanes<V>& axis,
-               const Policies& policies, density_grid& grid, std::size_t row) noexcept {
+               const Policies& policies, const falloff_kernel& kernel,
+               std::span<std::int64_t> counts, density_grid& grid, std::size_t row) noexcept {
     if constexpr (Policies::falls) {
-        add_samples<Sign>(block, count, axis, policies.falloff, grid.contribution(row));
+        if (kernel.empty()) {
+            add_samples<Sign>(block, count, axis, policies.falloff, grid.contribution(row));
+        } else {
+            add_keys<Sign>(block, count, kernel, counts, grid.contribution(row));
+        }
     }
     add_ramps<Sign, Policies>(block, count, grid.contribution(row), grid.penalty(row));
 }
 
+/// The kernel for a grid that make_density_grid made; none for the few bins of a refinement, where
+/// faces reach far across.
+template <class Policies>
+[[nodiscard]] falloff_kernel kernel_for(const Policies& policies, const density_grid& grid,
+                                        std::span<const orientation_cell> cells, double epsilon) {
+    if constexpr (Policies::falls) {
+        if (grid.contribution_unit() > 1) {
+            BILLOW_ASSERT(grid.contribution_unit() == falloff_kernel::unit);
+            float chord = 0;
+            for (const orientation_cell& cell : cells) chord = std::max(chord, cell.chord);
+            // Within a cell the offsets of a corner differ by its chord times its distance.
+            const double radius = std::abs(grid.axis().origin);
+            const double length = 2 * (epsilon + static_cast<double>(chord) * radius);
+            const double spacing = grid.axis().spacing;
+            return {policies.falloff, epsilon / spacing, length / spacing, grid.axis().bin_count};
+        }
+    }
+    BILLOW_ASSERT(grid.contribution_unit() == 1);
+    return {};
+}
+
 }  // namespace detail
+
+/// A grid that rasterize_density can fill fastest with these policies.
+template <class Policies>
+[[nodiscard]] density_grid make_density_grid(const Policies&, std::size_t row_count,
+                                             const offset_axis& axis, double scale) {
+    return {row_count, axis, scale, Policies::falls ? detail::falloff_kernel::unit : 1};
+}
 
 /// Adds faces to every row of a density grid, or removes faces that were added before.
 ///
@@ -5751,7 +6014,7 @@ void add_block(const ramp_block& block, std::size_t count, const axis_lanes<V>& 
 ///         same cells, policies and epsilon as when the faces were added.
 /// Gives   contributions ≥ 0, and exactly 0 when all faces have been removed; the same integers for
 ///         any number of threads and any order of faces.
-/// Cost    O(faces · rows), parallel over rows, no allocation.
+/// Cost    O(faces · rows), parallel over rows; under a falloff some 30 kB a row and thread.
 /// Source  Décoret et al. 2003; Luksch 2009, sections 2.1, 3.2 and 4.6.
 template <class V = simd::wide, validity<V> Validity, contribution<V> Contribution,
           penalty<V> Penalty, falloff<V> Falloff, orientation_bias Bias>
@@ -5762,22 +6025,39 @@ void rasterize_density(
     parallel threads = {}) {
     BILLOW_ASSERT(cells.size() == grid.row_count());
     const detail::axis_lanes<V> axis(grid, epsilon);
+    const detail::falloff_kernel kernel = detail::kernel_for(policies, grid, cells, epsilon);
     // Starting threads for a few faces costs more than the faces.
     const std::size_t chunk = faces.size * cells.size() < 100'000 ? cells.size() + 1 : 8;
+    // Few faces are weighted one by one, many are counted by key first.
+    const std::size_t keys = faces.size > kernel.key_count() ? kernel.key_count() : 0;
     threads.for_chunks(cells.size(), chunk, [&](std::size_t begin, std::size_t end) {
         detail::ramp_block block;
+        std::vector<std::int64_t> counts((end - begin) * keys);
+        const auto counts_of = [&](std::size_t row) {
+            return std::span(counts).subspan((row - begin) * keys, keys);
+        };
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);
             for (std::size_t row = begin; row < end; ++row) {
                 const cell_lanes<V> cell(cells[row]);
-                if (!detail::fill_ramp_block(faces, first, count, cell, axis, policies, block)) {
+                if (!detail::fill_ramp_block(faces, first, count, cell, axis, policies, kernel,
+                                             block)) {
                     continue;
                 }
                 if (change == density_change::add) {
-                    detail::add_block<1>(block, count, axis, policies, grid, row);
+                    detail::add_block<1>(block, count, axis, policies, kernel, counts_of(row), grid,
+                                         row);
                 } else {
-                    detail::add_block<-1>(block, count, axis, policies, grid, row);
+                    detail::add_block<-1>(block, count, axis, policies, kernel, counts_of(row),
+                                          grid, row);
                 }
+            }
+        }
+        const std::int64_t sign = change == density_change::add ? 1 : -1;
+        for (std::size_t row = begin; row < end && keys > 0; ++row) {
+            const std::span<const std::int64_t> of_row = counts_of(row);
+            for (std::size_t key = 0; key < keys; ++key) {
+                if (of_row[key] != 0) kernel.add(key, sign * of_row[key], grid.contribution(row));
             }
         }
     });
@@ -5814,6 +6094,7 @@ struct drawn_too {
     plane_id plane = no_id;
     face_id face = no_id;
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
     friend auto operator<=>(const drawn_too&, const drawn_too&) = default;
 };
 
@@ -6601,6 +6882,7 @@ private:
             }
         }
         std::vector<detail::outline> outlines;
+        outlines.reserve(island_count);
         for (auto& of_island : points) {
             outlines.push_back(detail::outline_of(std::move(of_island)));
         }
@@ -7040,7 +7322,7 @@ public:
             for (std::size_t row = 0; row < grid.row_count(); ++row) {
                 const dvec2 aside = (patches[row].centre - bin.patch.centre) / half;
                 grid.for_each_bin(row, [&](int at, std::int64_t c, std::int64_t p) {
-                    const double contribution = static_cast<double>(c) / grid.scale();
+                    const double contribution = static_cast<double>(c) / grid.contribution_scale();
                     const double density =
                         worth(row, contribution, static_cast<double>(p) / grid.scale());
                     const double up = 2 * at + 1 - per_axis_;
@@ -7215,7 +7497,9 @@ public:
           rows_(make_rows(space_)),
           cells_(make_cells()),
           weights_(cells_, policies_.bias, options.distribution),
-          grid_(rows_.size(), make_axis(), density_scale(remaining_)) {}
+          grid_(with_grid_policies([&](const auto& used) {
+              return make_density_grid(used, rows_.size(), make_axis(), density_scale(remaining_));
+          })) {}
 
     greedy_result run(std::size_t face_count, const progress_function& progress) {
         result_.cloud.bounds = remaining_.bounds;
@@ -7423,16 +7707,19 @@ private:
         }
     }
 
-    void change_density(const face_table& faces, density_change change) {
-        const auto with = [&](const auto& policies) {
-            rasterize_density(faces, cells(), policies, epsilon_, grid_, change, threads_);
-        };
+    /// Calls `use` with the policies of the grid: falloff_use may leave the falloff to refinement.
+    template <class Use>
+    auto with_grid_policies(const Use& use) const {
         if constexpr (std::remove_cvref_t<decltype(policies_)>::falls) {
-            if (options_.falloff != falloff_use::everywhere) {
-                return with(without_falloff(policies_));
-            }
+            if (options_.falloff != falloff_use::everywhere) return use(without_falloff(policies_));
         }
-        with(policies_);
+        return use(policies_);
+    }
+
+    void change_density(const face_table& faces, density_change change) {
+        with_grid_policies([&](const auto& used) {
+            rasterize_density(faces, cells(), used, epsilon_, grid_, change, threads_);
+        });
     }
 
     /// After max_planes every face keeps a plane; what is skipped goes to the nearest sensible one.
@@ -10897,6 +11184,322 @@ inline void add_atlas_material(mesh& to, const atlas& from) {
 }
 
 }  // namespace billow::inline BILLOW_ABI
+// ---- billow/bake/mips.hpp
+// Mip levels of baked atlases: as much of every tile is drawn on each level, and tiles never mix.
+//
+// Alpha is scaled for each tile and level by itself, see alpha_coverage.hpp: with one factor for a
+// whole atlas dense tiles would grow where thin ones vanish.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+struct mip_options {
+    int padding = 8;      ///< texels around each tile, as they were baked
+    float cutoff = 0.5f;  ///< alpha from which on a texel is drawn
+    int levels = 0;       ///< how many, the atlas itself counted; 0: down to 1 × 1
+};
+
+/// The levels of an atlas, channel by channel. Level 0 is the atlas itself, each further one half as
+/// large, rounded down, at least 1. A channel that the atlas lacks has no levels.
+struct atlas_mips {
+    std::vector<image> base_color{};
+    std::vector<image> normal{};
+    std::vector<image> occlusion_roughness_metallic{};
+    std::vector<image> emissive{};
+    std::vector<image> horizon{};
+    int safe_levels = 1;  ///< see safe_mip_levels
+};
+
+/// How many levels of an atlas of this size can be drawn, level 0 counted, before a bilinear filter
+/// at a tile's edge reads what belongs to another tile: 1 + log2(padding) where sides are powers of
+/// two. Half a texel beyond the edge is read at most, so the middle of the farthest texel read lies
+/// less than a texel of that level away, and within the padding when that is as wide.
+[[nodiscard]] inline int safe_mip_levels(int padding, int width, int height) noexcept {
+    int count = 1;
+    for (int w = width, h = height; w > 1 || h > 1; ++count) {
+        w = std::max(1, w / 2);
+        h = std::max(1, h / 2);
+        // In 64 bits: a texel of that level is width / w wide and height / h high.
+        if (std::int64_t{padding} * w < width || std::int64_t{padding} * h < height) break;
+    }
+    return count;
+}
+
+namespace detail {
+
+/// A level of an atlas: whose texels are, and their alpha before it is scaled.
+struct mip_layout {
+    int width = 0;
+    int height = 0;
+    std::vector<std::uint32_t> owner{};  ///< tile, no_id between them
+    std::vector<float> alpha{};
+    std::vector<pixel_rectangle>
+        owned{};  ///< texels of each tile; empty for those of other atlases
+};
+
+/// The texels of a level whose middles lie within `area`, texels of level 0. By the middle, not by
+/// the larger share: at a corner a neighbour along an edge may have the larger one.
+[[nodiscard]] inline pixel_rectangle owned_texels(const pixel_rectangle& area, const ivec2& base,
+                                                  const ivec2& level) noexcept {
+    const auto first = [](int at, int from, int to) {  // i + 0.5 >= at * to / from
+        const std::int64_t twice = std::int64_t{2} * at * to - from;
+        return twice <= 0 ? 0 : static_cast<int>((twice + 2 * from - 1) / (2 * from));
+    };
+    const ivec2 low(first(area.x, base.x, level.x), first(area.y, base.y, level.y));
+    const ivec2 high(first(area.x + area.width, base.x, level.x),
+                     first(area.y + area.height, base.y, level.y));
+    return {low.x, low.y, high.x - low.x, high.y - low.y};
+}
+
+/// One call of make_mips for one atlas; its methods are the steps in their order.
+class mip_maker {
+public:
+    mip_maker(const baked_cloud& baked, atlas_id id, const mip_options& options, parallel threads)
+        : baked_(baked), atlas_(baked.atlases[id]), id_(id), options_(options), threads_(threads) {}
+
+    [[nodiscard]] atlas_mips run() {
+        lay_out();
+        atlas_mips mips;
+        mips.safe_levels = safe_mip_levels(options_.padding, atlas_.width(), atlas_.height());
+        const auto colour = [](const std::uint8_t* p) {
+            const auto& light = linear_of_srgb_byte();
+            return vec4(light[p[0]], light[p[1]], light[p[2]], 0);
+        };
+        const auto colour_bytes = [](const vec4& v, std::uint8_t* p) {
+            for (int c = 0; c < 3; ++c) p[c] = srgb_byte_from_linear(v[c]);
+        };
+        mips.base_color = levels_of(atlas_.base_color, colour, colour_bytes);
+        keep_coverage(mips.base_color);
+        mips.emissive = levels_of(atlas_.emissive, colour, colour_bytes);
+        mips.normal = levels_of(
+            atlas_.normal,
+            [](const std::uint8_t* p) {
+                return vec4(vec3(p[0], p[1], p[2]) * (2.0f / 255.0f) - 1.0f, 0);
+            },
+            [](const vec4& v, std::uint8_t* p) {
+                const float length = glm::length(vec3(v));
+                const vec3 n = length > 1e-6f ? vec3(v) / length : vec3(0, 0, 1);
+                for (int c = 0; c < 3; ++c) p[c] = byte_from_unit(n[c] * 0.5f + 0.5f);
+            });
+        mips.occlusion_roughness_metallic = levels_of(
+            atlas_.occlusion_roughness_metallic,
+            [](const std::uint8_t* p) { return vec4(p[0], p[1], p[2], 0) / 255.0f; },
+            [](const vec4& v, std::uint8_t* p) {
+                for (int c = 0; c < 3; ++c) p[c] = byte_from_unit(v[c]);
+            });
+        // Cones are averaged as the directions that they let through.
+        mips.horizon = levels_of(
+            atlas_.horizon,
+            [](const std::uint8_t* p) {
+                const horizon_cone cone = decode_horizon(p);
+                const float visible = (1 - cone.cosine) / 2;
+                return vec4(cone.axis * visible, visible);
+            },
+            [](const vec4& v, std::uint8_t* p) {
+                const auto bytes = encode_horizon(cone_of(v));
+                std::copy(bytes.begin(), bytes.end(), p);
+            });
+        return mips;
+    }
+
+private:
+    void lay_out() {
+        const ivec2 base(atlas_.width(), atlas_.height());
+        ivec2 size = base;
+        while (true) {
+            mip_layout& level = layouts_.emplace_back();
+            level.width = size.x;
+            level.height = size.y;
+            const auto texels = static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y);
+            level.owner.assign(texels, no_id);
+            level.owned.resize(baked_.tiles.size());
+            for (std::uint32_t t = 0; t < baked_.tiles.size(); ++t) {
+                if (baked_.tiles[t].atlas != id_) continue;
+                const auto area = padded(baked_.tiles[t], atlas_, options_.padding);
+                const auto owned = level.owned[t] = owned_texels(area, base, size);
+                for (int y = owned.y; y < owned.y + owned.height; ++y) {
+                    std::fill_n(level.owner.begin() + std::ptrdiff_t{y} * size.x + owned.x,
+                                owned.width, t);
+                }
+            }
+            level.alpha.resize(texels);
+            if (layouts_.size() == 1) {
+                for (std::size_t i = 0; i < texels; ++i) {
+                    level.alpha[i] =
+                        static_cast<float>(atlas_.base_color.bytes[4 * i + 3]) / 255.0f;
+                }
+            } else {
+                const mip_layout& above = layouts_[layouts_.size() - 2];
+                for_texels(above, level, [&](std::size_t at, const auto& visit) {
+                    float sum = 0;
+                    float weight = 0;
+                    visit([&](std::size_t i, float w) {
+                        sum += w * above.alpha[i];
+                        weight += w;
+                    });
+                    level.alpha[at] = sum / weight;
+                });
+            }
+            const bool is_last = static_cast<int>(layouts_.size()) == options_.levels;
+            if (is_last || (size.x == 1 && size.y == 1)) return;
+            size = ivec2(std::max(1, size.x / 2), std::max(1, size.y / 2));
+        }
+    }
+
+    /// Calls `body(texel, visit)` for every texel of `below`; `visit(take)` calls `take(i, weight)`
+    /// for the texels of `above` under it that belong to its tile, or for all where none does.
+    template <class Body>
+    void for_texels(const mip_layout& above, const mip_layout& below, const Body& body) const {
+        const auto columns = box_taps_of(above.width, below.width);
+        const auto rows = box_taps_of(above.height, below.height);
+        const auto width = static_cast<std::size_t>(below.width);
+        threads_.for_chunks(rows.size(), 16, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t at = begin * width; at < end * width; ++at) {
+                const box_taps& row = rows[at / width];
+                const box_taps& column = columns[at % width];
+                body(at, [&](const auto& take) {
+                    for (const bool takes_all : {false, true}) {
+                        bool has_taken = false;
+                        for (int k = 0; k < row.count * column.count; ++k) {
+                            const auto x = static_cast<std::size_t>(k % column.count);
+                            const auto y = static_cast<std::size_t>(k / column.count);
+                            const std::size_t i = (static_cast<std::size_t>(row.first) + y) *
+                                                      static_cast<std::size_t>(above.width) +
+                                                  static_cast<std::size_t>(column.first) + x;
+                            if (!takes_all && above.owner[i] != below.owner[at]) continue;
+                            take(i, row.weight[y] * column.weight[x]);
+                            has_taken = true;
+                        }
+                        if (has_taken) return;
+                    }
+                });
+            }
+        });
+    }
+
+    /// The mean of a level's values under each texel of the next, weighted by alpha; of the borders'
+    /// values where all is transparent.
+    template <class Value>
+    [[nodiscard]] std::vector<vec4> lowered(std::size_t level, const Value& value) const {
+        const mip_layout& above = layouts_[level - 1];
+        std::vector<vec4> result(layouts_[level].alpha.size());
+        for_texels(above, layouts_[level], [&](std::size_t at, const auto& visit) {
+            vec4 seen(0);
+            vec4 all(0);
+            float seen_weight = 0;
+            float all_weight = 0;
+            visit([&](std::size_t i, float w) {
+                const vec4 v = value(i);
+                const float a = w * above.alpha[i];
+                seen += v * a;
+                seen_weight += a;
+                all += v * w;
+                all_weight += w;
+            });
+            result[at] = seen_weight > 0 ? seen / seen_weight : all / all_weight;
+        });
+        return result;
+    }
+
+    template <class Decode, class Encode>
+    [[nodiscard]] std::vector<image> levels_of(const image& source, const Decode& decode,
+                                               const Encode& encode) const {
+        std::vector<image> chain;
+        if (source.empty()) return chain;
+        chain.push_back(source);
+        const auto channels = static_cast<std::size_t>(source.channels);
+        std::vector<vec4> values;
+        for (std::size_t level = 1; level < layouts_.size(); ++level) {
+            values = level == 1 ? lowered(level,
+                                          [&](std::size_t i) {
+                                              return decode(source.bytes.data() + i * channels);
+                                          })
+                                : lowered(level, [&](std::size_t i) { return values[i]; });
+            image& to = chain.emplace_back(
+                image::filled(layouts_[level].width, layouts_[level].height, source.channels, 0));
+            threads_.for_chunks(values.size(), 4096, [&](std::size_t begin, std::size_t end) {
+                for (std::size_t i = begin; i < end; ++i) {
+                    encode(values[i], to.bytes.data() + i * channels);
+                }
+            });
+        }
+        return chain;
+    }
+
+    /// Writes alpha, scaled so that as much of each tile is drawn as on level 0.
+    void keep_coverage(std::vector<image>& chain) const {
+        for (std::size_t level = 1; level < layouts_.size(); ++level) {
+            const std::vector<float>& alpha = layouts_[level].alpha;
+            for (std::size_t i = 0; i < alpha.size(); ++i) {
+                chain[level].bytes[4 * i + 3] = byte_from_unit(alpha[i]);
+            }
+        }
+        threads_.for_chunks(baked_.tiles.size(), 1, [&](std::size_t t, std::size_t) {
+            const tile& in = baked_.tiles[t];
+            if (in.atlas != id_) return;
+            const dvec2 low(in.x, in.y);
+            const dvec2 high = low + dvec2(in.width, in.height);
+            const double wanted = drawn_area(block_of(0, t), low, high, 1, options_.cutoff);
+            for (std::size_t level = 1; level < layouts_.size(); ++level) {
+                const alpha_block block = block_of(level, t);
+                if (block.width <= 0 || block.height <= 0) continue;
+                const dvec2 shrink(static_cast<double>(layouts_[level].width) / atlas_.width(),
+                                   static_cast<double>(layouts_[level].height) / atlas_.height());
+                const float scale = alpha_scale(block, low * shrink, high * shrink,
+                                                wanted * shrink.x * shrink.y, options_.cutoff);
+                for (int y = block.y; y < block.y + block.height; ++y) {
+                    for (int x = block.x; x < block.x + block.width; ++x) {
+                        chain[level].pixel(x, y)[3] = byte_from_unit(block.at(x, y) * scale);
+                    }
+                }
+            }
+        });
+    }
+
+    [[nodiscard]] alpha_block block_of(std::size_t level, std::size_t t) const noexcept {
+        const mip_layout& in = layouts_[level];
+        const pixel_rectangle& owned = in.owned[t];
+        return {in.alpha, in.width, owned.x, owned.y, owned.width, owned.height};
+    }
+
+    const baked_cloud& baked_;
+    const atlas& atlas_;
+    atlas_id id_;
+    mip_options options_;
+    parallel threads_;
+    std::vector<mip_layout> layouts_{};
+};
+
+}  // namespace detail
+
+/// The mip levels of every atlas. Colours are averaged in linear light, all channels are weighted by
+/// alpha, normals have unit length again, and each texel is made of one tile's texels alone: of the
+/// tile in whose padding its middle lies.
+///
+/// Of a tile, an alpha test draws the same area on every safe level to within 2 % as long as some
+/// twenty texels of it are drawn; fewer are too coarse to say it.
+///
+/// Needs  what fill_borders has filled, tiles whose paddings do not overlap; cutoff in (0, 1].
+/// Cost   O(texels), parallel over rows and tiles; 16 bytes a texel of the atlas while it works.
+[[nodiscard]] inline std::vector<atlas_mips> make_mips(const baked_cloud& baked,
+                                                       const mip_options& options = {},
+                                                       parallel threads = {}) {
+    BILLOW_ASSERT(options.padding >= 0 && options.levels >= 0);
+    BILLOW_ASSERT(options.cutoff > 0 && options.cutoff <= 1);
+    std::vector<atlas_mips> mips;
+    for (atlas_id id = 0; id < baked.atlases.size(); ++id) {
+        mips.push_back(detail::mip_maker(baked, id, options, threads).run());
+    }
+    return mips;
+}
+
+}  // namespace billow::inline BILLOW_ABI
 
 // ---- billow/metrics/picture.hpp
 // A picture of a mesh, drawn by the rasteriser and the shading that the baker uses: to look at, and to
@@ -11199,10 +11802,8 @@ public:
             found.cloud.epsilon = told.epsilon;
             found.cloud.plane_of_face.assign(source_.face_count(), no_id);
         } else {
-            greedy_options how = plan.search;
-            how.epsilon = told.epsilon;
-            found = greedy_search(select_rows(faces_, rows, options_.threads), source_.face_count(),
-                                  how, method, options_.threads, progress_of(rows.size()));
+            found = find_planes(select_rows(faces_, rows, options_.threads), plan, method);
+            told.epsilon = found.cloud.epsilon;
             rows_done_ += rows.size();
         }
         count_faces(part, found.cloud, told.faces);

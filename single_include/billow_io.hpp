@@ -41,6 +41,17 @@
 #undef TINYGLTF_IMPLEMENTATION
 #endif
 
+// ---- billow/io/dds.hpp
+// Images with all their mip levels as one DDS file, uncompressed.
+//
+// Source: Microsoft, "Programming guide for DDS" and the reference of DDS_HEADER, DDS_HEADER_DXT10.
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
 // ---- billow/io/file.hpp
 // Files as bytes: read whole, written aside and renamed, so that no reader meets half a file.
 
@@ -220,6 +231,79 @@ namespace detail {
 }
 
 }  // namespace billow::inline BILLOW_ABI
+
+namespace billow::inline BILLOW_ABI {
+
+/// The bytes of a DDS file: RGBA of 8 bits a channel, the levels one after the other without gaps.
+///
+/// Shape   images of 1 to 4 channels, each further one half as large, rounded down, at least 1.
+///         Grey is spread to three channels, missing alpha is 255.
+/// Needs   at least one level.
+/// Cost    O(pixels).
+[[nodiscard]] inline std::vector<std::uint8_t> encode_dds(std::span<const image> levels,
+                                                          bool is_srgb) {
+    BILLOW_ASSERT(!levels.empty() && !levels[0].empty());
+    std::vector<std::uint8_t> bytes;
+    const auto word = [&](std::uint32_t value) {
+        for (int i = 0; i < 4; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    };
+    const auto words = [&](int count, std::uint32_t value) {
+        for (int i = 0; i < count; ++i) word(value);
+    };
+    const auto level_count = static_cast<std::uint32_t>(levels.size());
+    const bool has_mips = level_count > 1;
+    std::size_t pixels = 0;
+    for (const image& level : levels) pixels += level.bytes.size();
+    bytes.reserve(148 + 4 * pixels / static_cast<std::size_t>(levels[0].channels));
+
+    word(0x20534444);  // "DDS "
+    word(124);         // size of the header
+    // Caps, height, width, pitch, pixel format; and the count of levels.
+    word(0x1u | 0x2u | 0x4u | 0x8u | 0x1000u | (has_mips ? 0x20000u : 0u));
+    word(static_cast<std::uint32_t>(levels[0].height));
+    word(static_cast<std::uint32_t>(levels[0].width));
+    word(static_cast<std::uint32_t>(levels[0].width) * 4);  // bytes a row of the first level
+    word(0);                                                // depth
+    word(level_count);
+    words(11, 0);
+    word(32);          // size of the pixel format
+    word(0x4);         // it is named by four characters:
+    word(0x30315844);  // "DX10"
+    words(5, 0);
+    word(0x1000u | (has_mips ? 0x400008u : 0u));  // texture; mip map, complex
+    words(4, 0);
+    word(is_srgb ? 29 : 28);  // DXGI_FORMAT_R8G8B8A8_UNORM_SRGB, …_UNORM
+    word(3);                  // two dimensions
+    word(0);
+    word(1);  // one image
+    word(0);  // what alpha means is not said
+
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const image& level = levels[i];
+        BILLOW_ASSERT(i >= 31 || (level.width == std::max(1, levels[0].width >> i) &&
+                                  level.height == std::max(1, levels[0].height >> i)));
+        const auto channels = static_cast<std::size_t>(level.channels);
+        if (channels == 4) {
+            bytes.insert(bytes.end(), level.bytes.begin(), level.bytes.end());
+            continue;
+        }
+        for (std::size_t at = 0; at < level.bytes.size(); at += channels) {
+            const std::uint8_t* p = level.bytes.data() + at;
+            const bool is_grey = channels < 3;
+            const std::uint8_t alpha = channels == 2 ? p[1] : std::uint8_t{255};
+            bytes.insert(bytes.end(), {p[0], p[is_grey ? 0 : 1], p[is_grey ? 0 : 2], alpha});
+        }
+    }
+    return bytes;
+}
+
+/// Fails   as write_file.
+[[nodiscard]] inline expected<done> write_dds(const std::filesystem::path& file,
+                                              std::span<const image> levels, bool is_srgb) {
+    return write_file(file, encode_dds(levels, is_srgb));
+}
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/io/glb.hpp
 // glTF 2.0 out: any mesh of ours as one .glb, the same bytes for the same mesh.
 //
@@ -238,7 +322,8 @@ namespace detail {
 #include <nlohmann/json.hpp>
 
 // ---- billow/io/image_file.hpp
-// Images as files: PNG, JPEG, BMP and TGA in, PNG out, through stb_image and stb_image_write.
+// Images as files: PNG, JPEG, BMP and TGA in, PNG out, through stb_image and, where
+// BILLOW_HAS_LIBDEFLATE is not defined, stb_image_write.
 
 #include <cstdint>
 #include <filesystem>
@@ -250,6 +335,150 @@ namespace detail {
 #include <stb_image.h>
 #include <stb_image_write.h>
 
+// ---- billow/io/png_file.hpp
+// PNG by libdeflate, with filters of our own: smaller than stb_image_write's and several times as
+// fast. Empty without BILLOW_HAS_LIBDEFLATE, which the CMake target billow::io defines where it finds
+// libdeflate.
+//
+// Source: W3C, "Portable Network Graphics (PNG) Specification", second edition 2003.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+
+#if defined(BILLOW_HAS_LIBDEFLATE)
+#include <libdeflate.h>
+
+namespace billow::inline BILLOW_ABI {
+
+namespace detail {
+
+/// What the Paeth filter expects of a byte (section 9.4): of left, above and above left the one
+/// nearest to left + above - above left.
+[[nodiscard]] inline int paeth(int left, int above, int corner) noexcept {
+    const int to_left = std::abs(above - corner);
+    const int to_above = std::abs(left - corner);
+    const int to_corner = std::abs(left + above - 2 * corner);
+    const int upper = to_above <= to_corner ? above : corner;
+    return to_left <= to_above && to_left <= to_corner ? left : upper;
+}
+
+/// One filtered row (section 9.2) at `out`; gives the sum of its bytes as signed magnitudes.
+template <class Expect>
+std::uint32_t filter_row(const std::uint8_t* row, const std::uint8_t* above, std::size_t size,
+                         std::size_t channels, std::uint8_t* out, const Expect& expect) noexcept {
+    std::uint32_t sum = 0;
+    const auto put = [&](std::size_t i, int left, int corner) {
+        const auto value = static_cast<std::uint8_t>(row[i] - expect(left, above[i], corner));
+        out[i] = value;
+        sum += static_cast<std::uint32_t>(std::abs(static_cast<std::int8_t>(value)));
+    };
+    for (std::size_t i = 0; i < channels; ++i) put(i, 0, 0);
+    for (std::size_t i = channels; i < size; ++i) put(i, row[i - channels], above[i - channels]);
+    return sum;
+}
+
+struct row_range {
+    std::size_t first = 0;
+    std::size_t count = 0;
+};
+
+/// Some rows of a picture, each with its filter before it: that of least sum (section 12.8), or none.
+[[nodiscard]] inline std::vector<std::uint8_t> filtered_rows(const image& picture, row_range rows,
+                                                             bool has_filters) {
+    const auto channels = static_cast<std::size_t>(picture.channels);
+    const std::size_t size = static_cast<std::size_t>(picture.width) * channels;
+    std::vector<std::uint8_t> out((size + 1) * rows.count);
+    const std::vector<std::uint8_t> no_row(size, 0);
+    std::vector<std::uint8_t> trial(5 * size);
+    for (std::size_t i = 0; i < rows.count; ++i) {
+        const std::size_t y = rows.first + i;
+        std::uint8_t* to = out.data() + i * (size + 1);
+        const std::uint8_t* row = picture.bytes.data() + y * size;
+        const std::uint8_t* above = y > 0 ? row - size : no_row.data();
+        if (!has_filters) {
+            std::copy_n(row, size, to + 1);
+            continue;
+        }
+        const auto filter = [&](std::size_t kind, const auto& expect) {
+            return filter_row(row, above, size, channels, trial.data() + kind * size, expect);
+        };
+        const std::array<std::uint32_t, 5> sums{
+            filter(0, [](int, int, int) { return 0; }),
+            filter(1, [](int left, int, int) { return left; }),
+            filter(2, [](int, int up, int) { return up; }),
+            filter(3, [](int left, int up, int) { return (left + up) / 2; }), filter(4, paeth)};
+        const auto best =
+            static_cast<std::size_t>(std::min_element(sums.begin(), sums.end()) - sums.begin());
+        *to = static_cast<std::uint8_t>(best);
+        std::copy_n(trial.data() + best * size, size, to + 1);
+    }
+    return out;
+}
+
+}  // namespace detail
+
+/// The bytes of a PNG file, the same ones for the same image; none where memory is lacking.
+///
+/// Needs   a picture of 1 to 4 channels that is not empty and of less than 2 GiB.
+/// Cost    O(pixels), about 15 ns a byte.
+[[nodiscard]] inline std::vector<std::uint8_t> encode_png_deflate(const image& picture) {
+    BILLOW_ASSERT(!picture.empty() && picture.channels >= 1 && picture.channels <= 4);
+    constexpr int level = 6;  // higher ones take much longer for 1 % less
+    const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+        libdeflate_alloc_compressor(level), &libdeflate_free_compressor);
+    if (!compressor) return {};
+    const auto pack = [&](const detail::row_range& range, bool has_filters) {
+        const auto rows = detail::filtered_rows(picture, range, has_filters);
+        std::vector<std::uint8_t> packed(
+            libdeflate_zlib_compress_bound(compressor.get(), rows.size()));
+        packed.resize(libdeflate_zlib_compress(compressor.get(), rows.data(), rows.size(),
+                                               packed.data(), packed.size()));
+        return packed;
+    };
+    // Photographs want filters; leaves scattered over an atlas, whose borders repeat their texels,
+    // mostly do not. The middle quarter tells.
+    const auto height = static_cast<std::size_t>(picture.height);
+    const detail::row_range sample{height * 3 / 8, (height + 3) / 4};
+    const bool has_filters = pack(sample, true).size() < pack(sample, false).size();
+    const std::vector<std::uint8_t> packed = pack({0, height}, has_filters);
+
+    std::vector<std::uint8_t> file{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    file.reserve(packed.size() + 64);
+    const auto append_word = [](std::vector<std::uint8_t>& to, std::size_t value) {
+        for (int shift = 24; shift >= 0; shift -= 8) {
+            to.push_back(static_cast<std::uint8_t>(value >> shift & 0xff));
+        }
+    };
+    const auto append_chunk = [&](std::string_view name, std::span<const std::uint8_t> data) {
+        append_word(file, data.size());
+        const std::size_t checked = file.size();
+        file.insert(file.end(), name.begin(), name.end());
+        file.insert(file.end(), data.begin(), data.end());
+        append_word(file, libdeflate_crc32(0, file.data() + checked, file.size() - checked));
+    };
+    constexpr std::array<std::uint8_t, 5> colour_type{0, 0, 4, 2, 6};
+    std::vector<std::uint8_t> header;
+    append_word(header, static_cast<std::size_t>(picture.width));
+    append_word(header, static_cast<std::size_t>(picture.height));
+    const std::uint8_t type = colour_type[static_cast<std::size_t>(picture.channels)];
+    // 8 bits, colour type, deflate, the five filters, not interlaced.
+    header.insert(header.end(), {8, type, 0, 0, 0});
+    append_chunk("IHDR", header);
+    append_chunk("IDAT", packed);
+    append_chunk("IEND", {});
+    return file;
+}
+
+}  // namespace billow::inline BILLOW_ABI
+#endif
 
 namespace billow::inline BILLOW_ABI {
 
@@ -336,6 +565,10 @@ namespace detail {
 [[nodiscard]] inline std::vector<std::uint8_t> encode_png(const image& picture) {
     BILLOW_ASSERT(!picture.empty() && picture.channels >= 1 && picture.channels <= 4);
     std::vector<std::uint8_t> bytes;
+#if defined(BILLOW_HAS_LIBDEFLATE)
+    bytes = encode_png_deflate(picture);
+    if (!bytes.empty()) return bytes;
+#endif
     const auto append = [](void* to, void* from, int size) {
         const auto* first = static_cast<const std::uint8_t*>(from);
         static_cast<std::vector<std::uint8_t>*>(to)->assign(first, first + size);
@@ -2822,6 +3055,78 @@ namespace billow::inline BILLOW_ABI {
     return detail::file_error(error_code::unsupported, file,
                               "is of a format that billow does not read; it reads .gltf, .glb and "
                               ".obj");
+}
+
+}  // namespace billow::inline BILLOW_ABI
+// ---- billow/io/mip_files.hpp
+// The mip levels of baked atlases as files: one DDS a channel, or one PNG a channel and level.
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+enum class mip_format { none, png, dds };
+
+/// What write_mips has written.
+struct mip_files {
+    std::vector<std::filesystem::path> names{};
+    int safe_levels = 0;  ///< of all atlases, see safe_mip_levels; 0 where nothing was written
+};
+
+/// Writes all levels of all channels: tree_basecolor.dds, tree_normal.dds, tree_orm.dds,
+/// tree_emissive.dds, tree_horizon.dds for the stem "tree", as far as there are such channels; as PNG
+/// tree_basecolor_mip0.png, tree_basecolor_mip1.png … Further atlases are tree_1_basecolor.dds …
+///
+/// Needs   as make_mips.
+/// Gives   the files in the order in which they were written.
+/// Fails   as write_file; what was written before stays.
+[[nodiscard]] inline expected<mip_files> write_mips(const std::filesystem::path& stem,
+                                                    const baked_cloud& baked, mip_format format,
+                                                    const mip_options& options = {},
+                                                    parallel threads = {}) {
+    mip_files files;
+    if (format == mip_format::none) return files;
+    const auto mips = make_mips(baked, options, threads);
+    for (std::size_t id = 0; id < mips.size(); ++id) {
+        const atlas_mips& of = mips[id];
+        files.safe_levels = id == 0 ? of.safe_levels : std::min(files.safe_levels, of.safe_levels);
+        const auto name = [&](std::string_view channel, const std::string& ending) {
+            std::filesystem::path file = stem;
+            if (id > 0) file += "_" + std::to_string(id);
+            file += "_" + std::string(channel) + ending;
+            return file;
+        };
+        struct channel {
+            std::string_view name{};
+            std::span<const image> levels{};
+            bool is_srgb = false;
+        };
+        for (const channel& c :
+             {channel{"basecolor", of.base_color, true}, channel{"normal", of.normal},
+              channel{"orm", of.occlusion_roughness_metallic},
+              channel{"emissive", of.emissive, true}, channel{"horizon", of.horizon}}) {
+            if (c.levels.empty()) continue;
+            if (format == mip_format::dds) {
+                files.names.push_back(name(c.name, ".dds"));
+                const auto written = write_dds(files.names.back(), c.levels, c.is_srgb);
+                if (!written) return written.error();
+                continue;
+            }
+            for (std::size_t level = 0; level < c.levels.size(); ++level) {
+                files.names.push_back(name(c.name, "_mip" + std::to_string(level) + ".png"));
+                const auto written = write_png(files.names.back(), c.levels[level]);
+                if (!written) return written.error();
+            }
+        }
+    }
+    return files;
 }
 
 }  // namespace billow::inline BILLOW_ABI

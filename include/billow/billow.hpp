@@ -20,6 +20,7 @@
 #include <billow/geometry/ray_tree.hpp>
 #include <billow/geometry/rectangle.hpp>
 
+#include <billow/image/alpha_coverage.hpp>
 #include <billow/image/distance_field.hpp>
 #include <billow/image/image.hpp>
 #include <billow/image/mip_chain.hpp>
@@ -100,6 +101,7 @@
 #include <billow/bake/cloud_mesh.hpp>
 #include <billow/bake/draw_set.hpp>
 #include <billow/bake/horizon.hpp>
+#include <billow/bake/mips.hpp>
 #include <billow/bake/occlusion.hpp>
 #include <billow/bake/pack.hpp>
 #include <billow/bake/sky_sites.hpp>

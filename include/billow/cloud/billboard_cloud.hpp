@@ -31,6 +31,7 @@ struct drawn_too {
     plane_id plane = no_id;
     face_id face = no_id;
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
     friend auto operator<=>(const drawn_too&, const drawn_too&) = default;
 };
 

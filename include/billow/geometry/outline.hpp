@@ -96,7 +96,7 @@ inline void cut_polygon(const outline_corners& from, const half_plane& keep, dou
                                                         const dvec2& low, const dvec2& high,
                                                         int most_corners) {
     BILLOW_ASSERT(most_corners >= 4);
-    const detail::outline_corners rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
+    detail::outline_corners rectangle{low, {high.x, low.y}, high, {low.x, high.y}};
     if (hull.empty()) return rectangle;
     const double slack = 1e-9 * glm::distance(low, high);
     const std::vector<detail::half_plane> lines = detail::touching_lines(hull);

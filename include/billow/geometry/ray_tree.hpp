@@ -205,7 +205,8 @@ private:
     }
 
     [[nodiscard]] static float blocks_for(std::size_t count) noexcept {
-        return static_cast<float>((count + width - 1) / width);
+        const std::size_t blocks = (count + width - 1) / width;
+        return static_cast<float>(blocks);
     }
 
     /// Sorts items to two sides of a plane between bins of centres; gives how many are on the left.

@@ -181,6 +181,7 @@ private:
             }
         }
         std::vector<detail::outline> outlines;
+        outlines.reserve(island_count);
         for (auto& of_island : points) {
             outlines.push_back(detail::outline_of(std::move(of_island)));
         }
