@@ -67,6 +67,7 @@
 #include <billow/policy/penalty.hpp>
 #include <billow/policy/validity.hpp>
 
+#include <billow/density/falloff_kernel.hpp>
 #include <billow/density/grid.hpp>
 #include <billow/density/rasterize.hpp>
 
