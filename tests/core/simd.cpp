@@ -1,6 +1,7 @@
 #include <billow/core/simd.hpp>
 
 #include <array>
+#include <cmath>
 
 #include <doctest/doctest.h>
 
@@ -38,6 +39,17 @@ TEST_SUITE("core/simd") {
             const V small = simd::max(simd::min(x, simd::lanes<V>::fill(100)), -y);
             return simd::to_float(simd::truncate(small));
         });
+    }
+    TEST_CASE("cube roots are those of doubles, in every lane") {
+        using lanes = simd::lanes<simd::wide>;
+        for (double exact = 1e-8; exact < 1e8; exact *= 1.003) {
+            const auto cube = static_cast<float>(exact * exact * exact);
+            const double root = std::cbrt(static_cast<double>(cube));
+            CHECK(std::abs(simd::cube_root(cube) - root) < 3e-7 * root);
+            std::array<float, simd::lane_count> packed{};
+            lanes::store(packed.data(), simd::cube_root(lanes::fill(cube)));
+            for (const float lane : packed) CHECK(std::abs(lane - root) < 3e-7 * root);
+        }
     }
     TEST_CASE("columns are padded to whole packs of every width") {
         CHECK(simd::padded(0) == 0);
