@@ -1,6 +1,9 @@
 // The parts that a plane search is put together from.
 #pragma once
 
+#include <concepts>
+#include <numbers>
+
 #include <billow/density/rasterize.hpp>
 #include <billow/fit/fit.hpp>
 #include <billow/fit/least_squares.hpp>
@@ -10,21 +13,39 @@
 
 namespace billow::inline BILLOW_ABI {
 
+/// Planes are looked for in a density grid: greedy_search.
+struct density_method {};
+
+/// Planes are looked for by exact offsets, normal by normal: exact_search.
+struct exact_method {
+    double tangency =
+        0;  ///< tangent_share: how much more frontal faces count, ≥ 0; 0: as projected
+    int starts =
+        4;  ///< normals that a local search starts from for each plane; 0: none, the planes
+            ///< have normals of the plane space
+    double last_step = 0.15 * std::numbers::pi / 180;  ///< of that search, radians, > 0
+};
+
+/// Finds planes: density_method or exact_method.
+template <class M>
+concept search_method = std::same_as<M, density_method> || std::same_as<M, exact_method>;
+
 /// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
 /// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.
 template <plane_space Space = cube_map, class Policies = density_policies<>,
           plane_fitter Fitter = least_squares_fit, face_grouping Grouping = whole_set,
-          vertex_motion Motion = fixed_vertices>
+          vertex_motion Motion = fixed_vertices, search_method Search = density_method>
 struct pipeline {
     Space space{};
     Policies policies{};
     Fitter fitter{};
     Grouping grouping{};
     Motion motion{};
+    Search search{};
 };
 template <class Space, class Policies = density_policies<>, class Fitter = least_squares_fit,
-          class Grouping = whole_set, class Motion = fixed_vertices>
-pipeline(Space, Policies = {}, Fitter = {}, Grouping = {}, Motion = {})
-    -> pipeline<Space, Policies, Fitter, Grouping, Motion>;
+          class Grouping = whole_set, class Motion = fixed_vertices, class Search = density_method>
+pipeline(Space, Policies = {}, Fitter = {}, Grouping = {}, Motion = {}, Search = {})
+    -> pipeline<Space, Policies, Fitter, Grouping, Motion, Search>;
 
 }  // namespace billow::inline BILLOW_ABI
