@@ -46,7 +46,7 @@ void show_progress(std::string_view stage, double share) {
 /// Original on the left, cloud on the right.
 billow::image comparison(const billow::mesh& original, const billow::mesh& cloud,
                          const billow::bounding_sphere& bounds, const exhibit& what) {
-    billow::picture_view view = billow::view_of(bounds, what.seen_from, 768, 768);
+    billow::camera view = billow::view_of(bounds, what.seen_from, 768, 768);
     view.height *= what.height_px / 768.0;  // cuts off what stays empty
     view.width_px = 680;
     view.height_px = what.height_px;

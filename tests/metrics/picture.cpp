@@ -14,7 +14,7 @@ const bounding_sphere unit_cube{dvec3(0), 0.8661};
 
 TEST_SUITE("metrics/picture") {
     TEST_CASE("a cube seen straight on is a square of its size") {
-        const picture_view view = view_of(unit_cube, {0, 0, 1}, 100, 100);
+        const camera view = view_of(unit_cube, {0, 0, 1}, 100, 100);
         const image picture = draw_picture(textured_cube(), view);
         const image empty = draw_picture(mesh{}, view);
         int covered = 0;
@@ -53,7 +53,7 @@ TEST_SUITE("metrics/picture") {
     }
 
     TEST_CASE("threads do not change the picture, and views are right-handed") {
-        const picture_view view = view_of(unit_cube, {1, 2, 3}, 90, 70);
+        const camera view = view_of(unit_cube, {1, 2, 3}, 90, 70);
         CHECK(glm::length(glm::cross(view.axes.u, view.axes.v) - view.axes.normal) < 1e-12);
         const mesh cube = textured_cube();
         CHECK(draw_picture(cube, view, {}, {1}) == draw_picture(cube, view, {}, {3}));

@@ -56,7 +56,7 @@ TEST_SUITE("pipeline") {
         const mesh cloud = built->to_mesh();
         CHECK(cloud.face_count() == 12);
         for (const dvec3& from : {dvec3(1, 0.7, 1.3), dvec3(-1, -0.6, 0.8), dvec3(0.3, 1, -0.9)}) {
-            const picture_view view = view_of(built->cloud.bounds, from, 128, 128);
+            const camera view = view_of(built->cloud.bounds, from, 128, 128);
             const double different =
                 different_pixels(draw_picture(cube, view), draw_picture(cloud, view), 24);
             CHECK(different < 0.05);
