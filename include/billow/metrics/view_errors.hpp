@@ -65,6 +65,8 @@ inline constexpr std::array<picture_metric, 11> all_picture_metrics{{
     {"object_flip", "flip", &view_errors::object_flip, &errors_over_views::object_flip},
 }};
 
+static_assert(sizeof(view_errors) == all_picture_metrics.size() * sizeof(double));
+
 struct measure_options {
     gap_options gap{};
     color_options color{};
