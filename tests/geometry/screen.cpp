@@ -1,0 +1,27 @@
+#include <billow/geometry/screen.hpp>
+
+#include <numbers>
+
+#include <doctest/doctest.h>
+
+using namespace billow;
+
+TEST_SUITE("geometry/screen") {
+    TEST_CASE("a length as high as the view has the height of the screen") {
+        for (const double fov : {0.3, 1.0, 2.5}) {
+            const lod_screen screen{.fov_y = fov, .height_px = 720};
+            for (const double distance : {1.0, 7.0}) {
+                const double high = 2 * distance * std::tan(fov / 2);
+                CHECK(high / distance * screen.pixels_at_one() == doctest::Approx(720));
+            }
+        }
+    }
+    TEST_CASE("an error counts at the surface that is nearest, at most at the near distance") {
+        const lod_screen screen{
+            .fov_y = std::numbers::pi / 2, .width_px = 1600, .height_px = 800, .near = 0.5};
+        CHECK(pixels_of_error(1, 5, 15, screen) == doctest::Approx(40));
+        CHECK(pixels_of_error(1, 0, 10, screen) == doctest::Approx(40));
+        CHECK(pixels_of_error(1, 5, 5, screen) == doctest::Approx(800));
+        CHECK(pixels_of_error(1, 5, 1, screen) == pixels_of_error(1, 5, 5, screen));
+    }
+}
