@@ -77,6 +77,9 @@ template <class Sweep, contribution<float> Contribution, class Weigh>
         const double chord = 2 * std::sin((most_moves + 1) * step / 2);
         const bool is_first = step == options.first_step;
         near = detail::faces_within_reach(is_first ? faces : near, best, chord, margin, worth);
+        const double rho = static_cast<double>(best.at.rho);
+        const double reach = chord * faces.bounds.radius + epsilon / 16;
+        const Sweep close = sweep.focused(rho - reach, rho + reach);
         for (int move = 0; move < most_moves; ++move) {
             const frame axes = frame_around(best.normal);
             directed_plane found = best;
@@ -85,7 +88,7 @@ template <class Sweep, contribution<float> Contribution, class Weigh>
                 const dvec3 aside = axes.u * std::cos(angle) + axes.v * std::sin(angle);
                 const dvec3 normal = glm::normalize(best.normal + aside * std::tan(step));
                 const swept_offset at =
-                    sweep.best(near, vec3(normal), {weigh(normal), charge}, found.at.density,
+                    close.best(near, vec3(normal), {weigh(normal), charge}, found.at.density,
                                scratch.buckets, scratch.sweep);
                 if (at.is_found) found = {normal, at};
             }

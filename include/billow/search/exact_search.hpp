@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -33,6 +34,26 @@ struct exact_search_options {
 
 namespace detail {
 
+/// A contribution, until the tail of a search begins: there the face's whole area.
+template <class Contribution>
+struct tail_worth {
+    Contribution base;
+    float least_cosine;
+    bool is_tail = false;
+
+    explicit tail_worth(const Contribution& worth) noexcept
+        : base(worth), least_cosine(least_cosine_of(worth)) {}
+
+    template <class V>
+    [[nodiscard]] V operator()(const face_lanes<V>& face,
+                               const vec3_lanes<V>& normal) const noexcept {
+        if (!is_tail) return base(face, normal);
+        return simd::select(
+            simd::abs(dot(face.normal, normal)) >= simd::lanes<V>::fill(least_cosine), face.area,
+            simd::lanes<V>::fill(0));
+    }
+};
+
 /// Finds the plane of most density: exactly over the normals of the space, then between them.
 template <class Pipeline>
 class exact_chooser {
@@ -41,12 +62,13 @@ public:
                   const exact_search_options& options, parallel threads)
         : space_(parts.space),
           bias_(parts.policies.bias),
-          worth_(parts.policies.contribution, options.method.tangency),
+          worth_(tangent_share(parts.policies.contribution, options.method.tangency)),
           method_(options.method),
           threads_(threads),
           epsilon_(inner_epsilon(faces, options.epsilon)),
           sweep_(worth_, parts.policies.penalty, epsilon_, faces.bounds.radius,
                  density_scale(faces)),
+          area_(area_of(faces)),
           row_of_(space_.orientation_count()),
           cells_(make_cells(faces)),
           weights_(cells_, bias_, options.distribution),
@@ -57,7 +79,11 @@ public:
         directions_.change(faces, change);
     }
     void faces_taken(const face_table& leaving, const face_table& remaining) {
-        if (leaving.size <= remaining.size) {
+        if (!worth_.is_tail && area_of(remaining) < method_.tail * area_) {
+            worth_.is_tail = true;
+            directions_.clear();
+            directions_.change(remaining, density_change::add);
+        } else if (leaving.size <= remaining.size) {
             directions_.change(leaving, density_change::remove);
         } else {
             directions_.clear();
@@ -87,10 +113,14 @@ public:
 
 private:
     using space_type = decltype(Pipeline::space);
-    using contribution_type = tangent_share<decltype(decltype(Pipeline::policies)::contribution)>;
+    using contribution_type =
+        tail_worth<tangent_share<decltype(decltype(Pipeline::policies)::contribution)>>;
     using penalty_type = decltype(decltype(Pipeline::policies)::penalty);
     using sweep_type = offset_sweep<contribution_type, penalty_type>;
 
+    [[nodiscard]] static double area_of(const face_table& faces) noexcept {
+        return std::accumulate(faces.area.begin(), faces.area.end(), 0.0);
+    }
     /// One row for n and -n, which share their planes.
     [[nodiscard]] std::vector<orientation_cell> make_cells(const face_table&) {
         std::vector<orientation_cell> cells;
@@ -142,6 +172,7 @@ private:
     parallel threads_;
     double epsilon_;
     sweep_type sweep_;
+    double area_;
     std::vector<std::uint32_t> row_of_;
     std::vector<orientation_cell> cells_;
     orientation_weights weights_;

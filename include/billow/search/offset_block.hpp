@@ -15,25 +15,24 @@
 
 namespace billow::inline BILLOW_ABI {
 
-/// Buckets of offsets in [-reach, reach]; what lies outside is of the first or the last one.
+/// Buckets of offsets, side by side from `low` to `high`; what lies outside is of the first or the
+/// last one.
 ///
 /// A bucket is what `bucket_of` says, which never falls when the offset grows: an interval [low, high]
 /// touches the buckets from bucket_of(low) to bucket_of(high) and no others, however floats round.
 class offset_buckets {
 public:
-    /// Needs reach > 0, spacing > 0. Gives at most `most` buckets.
-    offset_buckets(double reach, double spacing, int most) noexcept {
-        const double per_side = std::min(std::ceil(reach / spacing), most / 2.0);
-        count_ = 2 * std::max(1, static_cast<int>(per_side));
-        centre_ = static_cast<float>(count_ / 2);
-        per_unit_ = static_cast<float>(count_ / 2 / reach);
-    }
+    /// Needs low < high, count > 0.
+    offset_buckets(double low, double high, int count) noexcept
+        : count_(count),
+          per_unit_(static_cast<float>(count / (high - low))),
+          shift_(static_cast<float>(-low * count / (high - low))) {}
 
     [[nodiscard]] int count() const noexcept { return count_; }
     template <class V>
     [[nodiscard]] V position(V offset) const noexcept {
         const auto fill = [](float value) { return simd::lanes<V>::fill(value); };
-        const V at = offset * fill(per_unit_) + fill(centre_);
+        const V at = offset * fill(per_unit_) + fill(shift_);
         return simd::max(simd::min(at, fill(static_cast<float>(count_ - 1))), fill(0));
     }
     [[nodiscard]] std::int32_t bucket_of(float offset) const noexcept {
@@ -41,9 +40,9 @@ public:
     }
 
 private:
-    int count_ = 0;
-    float centre_ = 0;
-    float per_unit_ = 0;
+    int count_;
+    float per_unit_;
+    float shift_;
 };
 
 namespace detail {

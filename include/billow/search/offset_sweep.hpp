@@ -85,11 +85,19 @@ public:
                  double scale)
         : rules_{worth,
                  charge,
-                 offset_buckets(reach, epsilon / buckets_per_epsilon, most_buckets),
+                 offset_buckets(-reach, reach, bucket_count(reach, epsilon)),
                  static_cast<float>(epsilon),
                  static_cast<float>(scale),
                  !std::same_as<Penalty, no_penalty> && charge.weight > 0},
           charge_(charge.weight) {}
+
+    /// The same sweep of the offsets between two only: with closer buckets, so with closer bounds.
+    [[nodiscard]] offset_sweep focused(double low, double high) const noexcept {
+        offset_sweep sweep = *this;
+        sweep.rules_.buckets = offset_buckets(low, high, most_buckets / 2);
+        sweep.rim_ = 1;  // these two hold all that lies outside
+        return sweep;
+    }
 
     [[nodiscard]] bool charges() const noexcept { return rules_.charges; }
     /// The weight that penalties have.
@@ -117,14 +125,17 @@ public:
     /// No offset of the row has a greater density. Cost O(buckets).
     [[nodiscard]] double bound(const offset_row& row, const density_reading& read) const noexcept {
         std::int64_t c = 0, p = 0, most = 0;
-        const auto count = static_cast<std::size_t>(rules_.buckets.count());
+        const std::size_t count = index(rules_.buckets.count()) - rim_;
+        if (rim_ != 0) c = row.contribution[0], p = read.charge != 0 ? row.penalty[0] : 0;
         if (read.charge == 0) {
-            for (std::size_t b = 0; b < count; ++b)
-                c += row.contribution[b], most = std::max(most, c);
+            for (std::size_t b = rim_; b < count; ++b) {
+                c += row.contribution[b];
+                most = std::max(most, c);
+            }
             return read(most, 0);
         }
         double bound = -std::numeric_limits<double>::infinity();
-        for (std::size_t b = 0; b < count; ++b) {
+        for (std::size_t b = rim_; b < count; ++b) {
             c += row.contribution[b];
             p += row.penalty[b];
             if (c > 0) bound = std::max(bound, read(c, p));
@@ -140,9 +151,16 @@ public:
     [[nodiscard]] swept_offset best(const face_table& faces, const vec3& normal,
                                     const offset_row& row, const density_reading& read, double than,
                                     sweep_scratch& scratch) const {
-        if (!open_buckets(row, read, than, scratch)) return {};
-        collect_events(faces, normal, read.charge != 0, scratch);
-        return walk(read, than, scratch);
+        // Bounds are close: nearly always the best offset is in a bucket whose bound is near the
+        // highest. Others are opened only when it was not.
+        const double highest = bound(row, read);
+        if (!(highest > than)) return {};
+        const double near = std::max(than, highest - std::abs(highest) / 32);
+        swept_offset found = best_beyond(faces, normal, row, read, near, scratch);
+        if (!found.is_found && near > than) {
+            found = best_beyond(faces, normal, row, read, than, scratch);
+        }
+        return found;
     }
 
     /// The same for faces that no row holds. `buckets` is one of row_size(), or two where penalties
@@ -216,29 +234,40 @@ private:
         }
     }
 
+    [[nodiscard]] static int bucket_count(double reach, double epsilon) noexcept {
+        const double wanted = std::ceil(2 * reach / epsilon * buckets_per_epsilon);
+        return static_cast<int>(std::clamp(wanted, 1.0, double{most_buckets}));
+    }
     [[nodiscard]] static std::size_t index(std::int32_t bucket) noexcept {
         return static_cast<std::size_t>(bucket);
     }
 
+    /// best() by opening all buckets that may hold more than `than`.
+    [[nodiscard]] swept_offset best_beyond(const face_table& faces, const vec3& normal,
+                                           const offset_row& row, const density_reading& read,
+                                           double than, sweep_scratch& scratch) const {
+        open_buckets(row, read, than, scratch);
+        collect_events(faces, normal, read.charge != 0, scratch);
+        return walk(read, than, scratch);
+    }
+
     /// Marks the buckets that may hold more than `than`, and notes their bounds.
-    [[nodiscard]] bool open_buckets(const offset_row& row, const density_reading& read, double than,
-                                    sweep_scratch& scratch) const {
+    void open_buckets(const offset_row& row, const density_reading& read, double than,
+                      sweep_scratch& scratch) const {
         const auto count = index(rules_.buckets.count());
         scratch.is_open.assign(count, 0);
         scratch.contribution_at.resize(count);
         scratch.penalty_at.resize(count);
-        bool is_any = false;
         std::int64_t c = 0, p = 0;
         for (std::size_t b = 0; b < count; ++b) {
             c += row.contribution[b];
             if (read.charge != 0) p += row.penalty[b];
             scratch.contribution_at[b] = c;
             scratch.penalty_at[b] = p;
-            const bool is_open = c > 0 && read(c, p) > than;
+            const bool is_asked_for = b >= rim_ && b + rim_ < count;
+            const bool is_open = is_asked_for && c > 0 && read(c, p) > than;
             scratch.is_open[b] = is_open ? 1 : 0;
-            is_any |= is_open;
         }
-        return is_any;
     }
 
     /// Gathers the ends that lie in open buckets; turns the bounds of these buckets into what is
@@ -338,6 +367,7 @@ private:
 
     detail::offset_rules<Contribution, Penalty> rules_;
     double charge_;
+    std::size_t rim_ = 0;  ///< buckets at either end that nobody asks for
 };
 
 }  // namespace billow::inline BILLOW_ABI
