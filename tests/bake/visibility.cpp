@@ -1,6 +1,13 @@
 #include <billow/bake/visibility.hpp>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 #include <doctest/doctest.h>
+
+#include <billow/core/random.hpp>
 
 namespace {
 
@@ -124,6 +131,58 @@ TEST_SUITE("bake/visibility") {
             CHECK(std::abs(covered_share(m, size) - 0.2) < 0.06);
         }
         CHECK(std::abs(covered_share(m, 640) - 0.2) < 0.06);
+    }
+
+    TEST_CASE("packs of samples draw what single samples draw") {
+        image picture = image::filled(37, 20, 4, 0);
+        for (std::size_t i = 3; i < picture.bytes.size(); i += 4) {
+            picture.bytes[i] = static_cast<std::uint8_t>(mix_bits(i) >> 56);
+        }
+        for (const auto alpha : {alpha_mode::opaque, alpha_mode::mask, alpha_mode::blend}) {
+            for (const auto wrap : {texture_wrap::repeat, texture_wrap::clamp_to_edge,
+                                    texture_wrap::mirrored_repeat}) {
+                for (const bool is_nearest : {false, true}) {
+                    random_stream random(static_cast<std::uint64_t>(wrap) + 1);
+                    mesh m;
+                    for (std::uint32_t f = 0; f < 150; ++f) {
+                        const double reach = f % 3 == 0 ? 0.5 : 0.1;
+                        const dvec2 at(random.unit(), random.unit());
+                        for (int k = 0; k < 3; ++k) {
+                            m.positions.emplace_back(at.x + random.between(-reach, reach),
+                                                     at.y + random.between(-reach, reach),
+                                                     f % 5 == 0 ? 0.5 : random.unit());
+                            m.uv_sets[0].emplace_back(random.between(-1.5, 2.5), random.unit());
+                            m.colors.emplace_back(1, 1, 1, f % 2 == 0 ? 1 : 0.7);
+                        }
+                        m.triangles.push_back({3 * f, 3 * f + 1, 3 * f + 2});
+                    }
+                    m.images = {picture};
+                    m.materials = {{.base_color_texture = {.image = 0,
+                                                           .wrap_u = wrap,
+                                                           .wrap_v = wrap,
+                                                           .is_nearest = is_nearest},
+                                    .alpha = alpha}};
+                    if (is_nearest) m.colors.clear();
+                    const surface look(m);
+                    const orthographic_view view{{}, {0, 1, 0}, 1.0 / 61};
+                    visibility_buffer packs(3);
+                    visibility_buffer single(3);
+                    packs.start({0, 0, 61, 47});
+                    single.start({0, 0, 61, 47});
+                    for (face_id f = 0; f < m.face_count(); ++f) {
+                        packs.draw(look, view, f, {0.1, 0.9});
+                        single.draw<float>(look, view, f, {0.1, 0.9});
+                    }
+                    bool is_same = true;
+                    for (int y = 0; y < 47; ++y) {
+                        is_same =
+                            is_same && std::equal(packs.faces_of_row(y), packs.faces_of_row(y) + 61,
+                                                  single.faces_of_row(y));
+                    }
+                    CHECK(is_same);
+                }
+            }
+        }
     }
 
     TEST_CASE("bayer thresholds are spread evenly") {

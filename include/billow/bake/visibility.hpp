@@ -9,8 +9,10 @@
 #include <span>
 #include <vector>
 
+#include <billow/bake/row_alpha.hpp>
 #include <billow/bake/surface.hpp>
 #include <billow/core/random.hpp>
+#include <billow/core/simd.hpp>
 #include <billow/core/types.hpp>
 #include <billow/geometry/frame.hpp>
 #include <billow/image/raster.hpp>
@@ -51,21 +53,33 @@ public:
     explicit dither_matrix(int side) : side_(static_cast<std::uint32_t>(side)) {
         BILLOW_ASSERT(side >= 1 && side <= max_supersample);
         const std::uint32_t count = side_ * side_;
+        std::vector<std::uint32_t> ranks(count, 0);
         for (std::uint32_t i = 0; i < count; ++i) {
-            std::uint32_t rank = 0;
-            for (std::uint32_t k = 0; k < count; ++k) rank += bayer_of(k) < bayer_of(i) ? 1u : 0u;
-            rank_[i] = static_cast<std::uint8_t>(rank);
+            for (std::uint32_t k = 0; k < count; ++k) ranks[i] += bayer_of(k) < bayer_of(i) ? 1 : 0;
+        }
+        for (std::uint32_t shift = 0; shift < count; ++shift) {
+            for (std::uint32_t y = 0; y < side_; ++y) {
+                for (std::uint32_t x = 0; x < side_ + simd::max_lane_count; ++x) {
+                    const std::uint32_t rank = (ranks[y * side_ + x % side_] + shift) % count;
+                    thresholds_.push_back((static_cast<float>(rank) + 0.5f) /
+                                          static_cast<float>(count));
+                }
+            }
         }
     }
 
-    /// Threshold of the sample (x, y) for a face. Faces take the thresholds in another order each:
-    /// of two half-transparent leaves one above the other, the lower must show through.
+    [[nodiscard]] std::uint32_t column(int x) const noexcept {
+        const auto at = static_cast<std::uint32_t>(x);
+        return (side_ & (side_ - 1)) == 0 ? at & (side_ - 1) : at % side_;
+    }
+    /// Thresholds of row y for a face: a pack of them can be read from every column on. Faces take them in another order each: of two half-transparent leaves one
+    /// above the other, the lower must show through.
+    [[nodiscard]] const float* row(int y, std::uint32_t shift) const noexcept {
+        const std::size_t at = shift % (side_ * side_) * side_ + column(y);
+        return thresholds_.data() + at * (side_ + simd::max_lane_count);
+    }
     [[nodiscard]] float threshold(int x, int y, std::uint32_t shift) const noexcept {
-        const std::uint32_t count = side_ * side_;
-        const std::uint32_t cell =
-            static_cast<std::uint32_t>(y) % side_ * side_ + static_cast<std::uint32_t>(x) % side_;
-        return (static_cast<float>((rank_[cell] + shift) % count) + 0.5f) /
-               static_cast<float>(count);
+        return row(y, shift)[column(x)];
     }
 
 private:
@@ -82,7 +96,7 @@ private:
     }
 
     std::uint32_t side_;
-    std::array<std::uint8_t, max_supersample * max_supersample> rank_{};
+    std::vector<float> thresholds_{};
 };
 
 }  // namespace detail
@@ -96,20 +110,24 @@ public:
 
     /// Makes room, so that start() does not allocate.
     void reserve(std::size_t samples) {
-        depths_.reserve(samples);
-        faces_.reserve(samples);
+        depths_.reserve(samples + simd::max_lane_count);
+        faces_.reserve(samples + simd::max_lane_count);
     }
 
     /// Forgets all and looks at `window`.
     void start(const sample_window& window) {
         window_ = window;
         width_ = static_cast<std::size_t>(window.x_end - window.x_begin);
-        const std::size_t size = width_ * static_cast<std::size_t>(window.y_end - window.y_begin);
+        // Packs may read beyond the last row.
+        const std::size_t size =
+            width_ * static_cast<std::size_t>(window.y_end - window.y_begin) + simd::max_lane_count;
         depths_.assign(size, -std::numeric_limits<float>::infinity());
         faces_.assign(size, no_id);
     }
 
-    /// Draws a face, clipped to `range`, where its alpha lets it be seen.
+    /// Draws a face, clipped to `range`, where its alpha lets it be seen. V = float is the scalar
+    /// reference.
+    template <class V = simd::wide>
     void draw(const surface& look, const orthographic_view& view, face_id face,
               const depth_range& range) noexcept {
         const std::array<dvec3, 3> p = view.project(look.source().corners(face));
@@ -120,33 +138,16 @@ public:
         const face_cover cover = look.cover_of(face, triangle.area());
         if (cover.decides == face_cover::rule::always) {
             triangle.for_each_row(window_, [&](int y, int begin, int end) {
-                draw_row(y, begin, end, face, depth, [](int) { return true; });
+                draw_row<V>(y, begin, end, face, depth,
+                            [](int, V, simd::mask_lanes<V> wanted) { return wanted; });
             });
             return;
         }
-        const auto interpolated = [&](auto&& value) {
-            return triangle.interpolate(value(0), value(1), value(2));
-        };
-        const affine_value u = interpolated([&](std::size_t i) { return cover.uvs[i].x; });
-        const affine_value v = interpolated([&](std::size_t i) { return cover.uvs[i].y; });
-        const affine_value a = interpolated([&](std::size_t i) { return cover.vertex_alpha[i]; });
-        const auto shift = static_cast<std::uint32_t>(mix_bits(face));
-        triangle.for_each_row(window_, [&](int y, int begin, int end) {
-            const row_value row_u(u, begin, y);
-            const row_value row_v(v, begin, y);
-            const row_value row_a(a, begin, y);
-            draw_row(y, begin, end, face, depth, [&](int step) {
-                float alpha = cover.factor;
-                if (cover.has_vertex_alpha) alpha *= row_a.at(step);
-                if (cover.alpha != nullptr) {
-                    const vec2 uv(row_u.at(step), row_v.at(step));
-                    alpha *= sample_alpha(*cover.alpha, *cover.map, uv, cover.is_nearest);
-                }
-                return alpha >= (cover.decides == face_cover::rule::cutoff
-                                     ? cover.cutoff
-                                     : dither_.threshold(begin + step, y, shift));
-            });
-        });
+        if (cover.is_nearest) {
+            draw_alpha<V, true>(triangle, cover, face, depth);
+        } else {
+            draw_alpha<V, false>(triangle, cover, face, depth);
+        }
     }
 
     [[nodiscard]] const sample_window& window() const noexcept { return window_; }
@@ -156,18 +157,6 @@ public:
     }
 
 private:
-    /// A value along a row, in floats from its first sample on.
-    struct row_value {
-        float first;
-        float across;
-
-        row_value(const affine_value& of, int x, int y) noexcept
-            : first(static_cast<float>(of.at(x, y))), across(static_cast<float>(of.dx)) {}
-        [[nodiscard]] float at(int step) const noexcept {
-            return first + across * static_cast<float>(step);
-        }
-    };
-
     /// Depth over a face, kept within the depths of its corners: slivers must not shoot out.
     struct fragment_depth {
         affine_value plane{};
@@ -191,28 +180,73 @@ private:
         }
     };
 
+    template <class V, bool IsNearest>
+    void draw_alpha(const raster_triangle& triangle, const face_cover& cover, face_id face,
+                    const fragment_depth& depth) noexcept {
+        const detail::face_alpha alpha(cover, triangle);
+        if (cover.decides == face_cover::rule::cutoff) {
+            const V cutoff = simd::lanes<V>::fill(cover.cutoff);
+            triangle.for_each_row(window_, [&](int y, int begin, int end) {
+                const auto row = alpha.from<V, IsNearest>(begin, y);
+                const auto passes = [&](int, V step, simd::mask_lanes<V> wanted) {
+                    return simd::mask_lanes<V>(wanted & (row.at(step, wanted) >= cutoff));
+                };
+                draw_row<V>(y, begin, end, face, depth, passes);
+            });
+            return;
+        }
+        const auto shift = static_cast<std::uint32_t>(mix_bits(face));
+        triangle.for_each_row(window_, [&](int y, int begin, int end) {
+            const auto row = alpha.from<V, IsNearest>(begin, y);
+            const float* thresholds = dither_.row(y, shift);
+            const auto passes = [&](int x, V step, simd::mask_lanes<V> wanted) {
+                const V threshold = simd::lanes<V>::load(thresholds + dither_.column(x));
+                return simd::mask_lanes<V>(wanted & (row.at(step, wanted) >= threshold));
+            };
+            draw_row<V>(y, begin, end, face, depth, passes);
+        });
+    }
+
     [[nodiscard]] std::size_t row_offset(int y) const noexcept {
         return static_cast<std::size_t>(y - window_.y_begin) * width_;
     }
 
-    template <class IsThere>
+    /// Draws samples begin to end of row y where `is_there(step, wanted)` says so: it is given some
+    /// samples, counted from `begin`, and which of them would be seen.
+    template <class V, class IsThere>
     void draw_row(int y, int begin, int end, face_id face, const fragment_depth& depth,
                   const IsThere& is_there) noexcept {
+        using lanes = simd::lanes<V>;
+        using mask = simd::mask_lanes<V>;
         const std::size_t offset =
             row_offset(y) + static_cast<std::size_t>(begin - window_.x_begin);
         float* depths = depths_.data() + offset;
         face_id* faces = faces_.data() + offset;
-        const row_value height(depth.plane, begin, y);
-        for (int step = 0; step < end - begin; ++step) {
-            const float value = std::clamp(height.at(step), depth.low, depth.high);
-            if (!(value >= depths[step])) continue;
-            if (value == depths[step] && face > faces[step]) continue;
-            if (depth.is_clipped && !(value >= depth.kept_low && value <= depth.kept_high)) {
-                continue;
+        const detail::row_value<V> height(depth.plane, begin, y);
+        const V low = lanes::fill(depth.low);
+        const V high = lanes::fill(depth.high);
+        const V count = lanes::fill(static_cast<float>(end - begin));
+        const V last = lanes::fill(static_cast<float>(lanes::count));
+        const simd::int_lanes<V> id = simd::int_lanes<V>{} + static_cast<std::int32_t>(face);
+        V step = simd::lane_numbers<V>();
+        for (int i = 0; i < end - begin; i += static_cast<int>(lanes::count), step += last) {
+            const V value = simd::min(simd::max(height.at(step), low), high);
+            const V drawn = lanes::load(depths + i);
+            mask is_seen = (value >= drawn) & (step < count);
+            if (!simd::any(is_seen)) continue;
+            if (depth.is_clipped) {
+                is_seen &= (value >= lanes::fill(depth.kept_low)) &
+                           (value <= lanes::fill(depth.kept_high));
             }
-            if (!is_there(step)) continue;
-            depths[step] = value;
-            faces[step] = face;
+            is_seen = is_there(begin + i, step, is_seen);
+            if (!simd::any(is_seen)) continue;
+            auto* const ids = reinterpret_cast<std::int32_t*>(faces + i);
+            const auto previous = lanes::load(ids);
+            // Ids count from 0, so less than 2³¹ of them are as good as signed.
+            const mask is_behind = (value == drawn) & (previous < id);
+            is_seen &= is_behind == mask{};
+            lanes::store(depths + i, simd::select(is_seen, value, drawn));
+            lanes::store(ids, simd::select(is_seen, id, previous));
         }
     }
 

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include <billow/core/config.hpp>
 
@@ -37,6 +38,10 @@ inline constexpr std::size_t max_lane_count = 16;
 [[nodiscard]] inline float select(bool mask, float yes, float no) noexcept {
     return mask ? yes : no;
 }
+[[nodiscard]] inline std::int32_t select(bool mask, std::int32_t yes, std::int32_t no) noexcept {
+    return mask ? yes : no;
+}
+[[nodiscard]] inline bool any(bool mask) noexcept { return mask; }
 [[nodiscard]] inline std::int32_t truncate(float a) noexcept {
     return static_cast<std::int32_t>(a);
 }
@@ -90,6 +95,25 @@ typedef std::int32_t wide_int __attribute__((vector_size(4 * BILLOW_LANES)));
 [[nodiscard]] inline wide select(wide_int mask, wide yes, wide no) noexcept {
     return mask ? yes : no;
 }
+[[nodiscard]] inline wide_int select(wide_int mask, wide_int yes, wide_int no) noexcept {
+    return mask ? yes : no;
+}
+/// Whether a comparison holds in any lane.
+[[nodiscard]] inline bool any(wide_int mask) noexcept {
+#if BILLOW_LANES == 16
+    return _mm512_test_epi32_mask(reinterpret_cast<__m512i>(mask),
+                                  reinterpret_cast<__m512i>(mask)) != 0;
+#elif BILLOW_LANES == 8
+    return _mm256_movemask_ps(reinterpret_cast<__m256>(mask)) != 0;
+#elif defined(__SSE__)
+    return _mm_movemask_ps(reinterpret_cast<__m128>(mask)) != 0;
+#else
+    for (std::size_t i = 0; i < lane_count; ++i) {
+        if (mask[i] != 0) return true;
+    }
+    return false;
+#endif
+}
 [[nodiscard]] inline wide_int truncate(wide a) noexcept {
     return __builtin_convertvector(a, wide_int);
 }
@@ -133,6 +157,27 @@ template <class V>
         root = root * (cube + (a + a)) / ((cube + cube) + a);
     }
     return root;
+}
+
+/// What truncate gives, and what a comparison does.
+template <class V>
+using int_lanes = decltype(truncate(V{}));
+template <class V>
+using mask_lanes = decltype(V{} < V{});
+
+/// of(0), of(1), … in the lanes: faster than by way of memory.
+template <class V, class Of>
+[[nodiscard]] inline int_lanes<V> int_lanes_of(const Of& of) noexcept {
+    return [&]<std::size_t... I>(std::index_sequence<I...>) { return int_lanes<V>{of(I)...}; }
+    (std::make_index_sequence<lanes<V>::count>{});
+}
+
+/// 0, 1, 2, … in the lanes.
+template <class V>
+[[nodiscard]] inline V lane_numbers() noexcept {
+    constexpr float numbers[max_lane_count] = {0, 1, 2,  3,  4,  5,  6,  7,
+                                               8, 9, 10, 11, 12, 13, 14, 15};
+    return lanes<V>::load(numbers);
 }
 
 }  // namespace billow::inline BILLOW_ABI::simd
