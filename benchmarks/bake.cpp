@@ -89,7 +89,7 @@ const bool rows = [] {
             const bool is_plain = cracks == crack_reduction::none;
             bench::add_row(is_plain ? "bake.cracks/none" : "bake.cracks/envelope", size, bench::isa,
                            1, [=](benchmark::State& state) {
-                               bake(state, bench::leaves(size), 1, {.cracks = cracks});
+                               bake(state, bench::leaves(size), 1, {.draw = {.cracks = cracks}});
                            });
         }
         bench::add_row("improve.cardboard/leaf_soup", size, "scalar", 1,

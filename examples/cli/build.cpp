@@ -23,6 +23,7 @@ struct build_arguments {
     std::filesystem::path output{};
     std::filesystem::path report{};
     std::filesystem::path atlas_png{};
+    std::filesystem::path horizon_png{};
     std::string mips = "none";
     unsigned threads = 0;
     bool is_quiet = false;
@@ -30,13 +31,17 @@ struct build_arguments {
 
 /// Gives the files of mip levels; the others are named by the arguments.
 expected<mip_files> write_results(const build_arguments& arguments, const build_result& result,
-                                  int padding) {
+                                  const mesh& drawn, int padding) {
     const parallel threads{arguments.threads};
-    auto written = write_glb(arguments.output, result.to_mesh(), {.threads = threads});
+    auto written = write_glb(arguments.output, drawn, {.threads = threads});
     if (!written) return written.error();
-    for (std::size_t i = 0; !arguments.atlas_png.empty() && i < result.baked.atlases.size(); ++i) {
-        auto png = write_png(numbered(arguments.atlas_png, i), result.baked.atlases[i].base_color);
-        if (!png) return png.error();
+    for (std::size_t i = 0; i < result.baked.atlases.size(); ++i) {
+        const atlas& from = result.baked.atlases[i];
+        for (const auto& [file, picture] : {std::pair(&arguments.atlas_png, &from.base_color),
+                                            std::pair(&arguments.horizon_png, &from.horizon)}) {
+            if (file->empty()) continue;
+            if (auto png = write_png(numbered(*file, i), *picture); !png) return png.error();
+        }
     }
     const auto format = arguments.mips == "dds"   ? mip_format::dds
                         : arguments.mips == "png" ? mip_format::png
@@ -48,7 +53,8 @@ expected<mip_files> write_results(const build_arguments& arguments, const build_
 
 exit_code build(const build_arguments& arguments, const cloud_options& options) {
     stopwatch watch;
-    for (const auto* file : {&arguments.output, &arguments.report, &arguments.atlas_png}) {
+    for (const auto* file :
+         {&arguments.output, &arguments.report, &arguments.atlas_png, &arguments.horizon_png}) {
         if (file->empty()) continue;
         if (const auto writable = check_writable(*file); !writable) return fail(writable.error());
     }
@@ -60,6 +66,11 @@ exit_code build(const build_arguments& arguments, const cloud_options& options) 
 
     model_recipe how = options.recipe_for(loaded->mesh);
     how.whole.options.threads = {arguments.threads};
+    bake_options& textures = how.whole.options.bake;
+    if (!arguments.horizon_png.empty()) {
+        textures.draw.with_horizon = true;
+        if (textures.occlusion.rays == 0) textures.occlusion.rays = occlusion_options{}.rays;
+    }
     const expected<build_result> result = make_cloud(loaded->mesh, how, std::ref(progress));
     if (!result) {
         progress.clear();
@@ -69,12 +80,13 @@ exit_code build(const build_arguments& arguments, const cloud_options& options) 
     watch.lap();
 
     progress("write", 0);
-    const auto mips = write_results(arguments, *result, how.whole.options.bake.padding);
+    const mesh drawn = result->to_mesh();
+    const auto mips = write_results(arguments, *result, drawn, textures.padding);
     if (!mips) return progress.clear(), fail(mips.error());
     seconds.write = watch.lap();
     seconds.total = watch.total();
-    const finished_build finished{arguments.input, arguments.output, how,
-                                  *loaded,         *result,          seconds};
+    const finished_build finished{arguments.input, arguments.output,   how,    *loaded,
+                                  *result,         drawn.face_count(), seconds};
     if (!arguments.report.empty()) {
         if (const auto written = write_text(arguments.report, report_json(finished)); !written) {
             return progress.clear(), fail(written.error());
@@ -117,6 +129,10 @@ void add_build(CLI::App& tool, exit_code& result) {
         ->group("Output");
     verb->add_option("--atlas-png", a.atlas_png,
                      "Write the atlas' colours: .png; further atlases get _1, _2, ...")
+        ->group("Output");
+    verb->add_option("--horizon-png", a.horizon_png,
+                     "Write the horizon, a cone of visible sky a texel: .png; with the rays of "
+                     "--occlusion, or 64")
         ->group("Output");
     verb->add_option("--mips", a.mips,
                      "Write mip levels that draw as much of every tile as the atlas does, beside "

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
+#include "names.hpp"
 #include "shared.hpp"
 
 namespace cli {
@@ -48,9 +48,7 @@ std::pair<trunk_use, double> parse_trunk(const std::string& text) {
 /// Sets how a part is welded, before or after its planes are found.
 void choose_weld(recipe& how, const std::string& name) {
     how.method.motion.is_welding = name == "online";
-    how.options.weld.kind = name == "first"          ? weld_kind::first
-                            : name == "intersection" ? weld_kind::intersection
-                                                     : weld_kind::none;
+    how.options.weld.kind = name == "online" ? weld_kind::none : kind_in(weld_kind_names, name);
 }
 
 bool is_given(const CLI::Option* option) { return option->count() > 0; }
@@ -223,16 +221,13 @@ void cloud_options::add_plane_options() {
     add<double>("--rho-rate", "1.5", "Offset bins an epsilon", [](recipe& how, double rate) {
         how.options.search.rho_rate = rate;
     })->check(CLI::Range(0.1, 16.0));
-    static const std::map<std::string, refinement> refinements{{"original", refinement::original},
-                                                               {"fail-safe", refinement::fail_safe},
-                                                               {"none", refinement::none}};
     add<std::string>("--refine", "fail-safe",
                      "From the densest bin to a plane: 216 sub-bins, 64 sub-bins with a fail-safe, "
                      "or its centre",
                      [](recipe& how, const std::string& name) {
-                         how.options.search.refine = refinements.at(name);
+                         how.options.search.refine = kind_in(refinement_names, name);
                      })
-        ->check(CLI::IsMember({"original", "fail-safe", "none"}));
+        ->check(CLI::IsMember(names_in(refinement_names)));
     add<std::string>("--fit", "least-squares; trees: average",
                      "Move planes to their faces, where epsilon allows it",
                      [](recipe& how, const std::string& name) {
@@ -281,11 +276,9 @@ void cloud_options::add_density_options() {
     add<std::string>("--falloff", "off; thesis and solid: on",
                      "Count faces less that lie off a plane; refine: in the refinement only",
                      [](recipe& how, const std::string& name) {
-                         how.options.search.falloff = name == "on"    ? falloff_use::everywhere
-                                                      : name == "off" ? falloff_use::nowhere
-                                                                      : falloff_use::refinement;
+                         how.options.search.falloff = kind_in(falloff_names, name);
                      })
-        ->check(CLI::IsMember({"on", "off", "refine"}));
+        ->check(CLI::IsMember(names_in(falloff_names)));
     add<double>("--falloff-strength", "1", "1: half at epsilon, 0.25: four fifths, 0: off",
                 [](recipe& how, double strength) {
                     how.method.policies.falloff.strength = strength;
@@ -338,10 +331,9 @@ void cloud_options::add_seam_options() {
     add<std::string>("--cracks", "none",
                      "envelope: draw faces that reach into another plane's slab there, too",
                      [](recipe& how, const std::string& name) {
-                         how.options.bake.cracks =
-                             name == "envelope" ? crack_reduction::envelope : crack_reduction::none;
+                         how.options.bake.draw.cracks = kind_in(crack_names, name);
                      })
-        ->check(CLI::IsMember({"none", "envelope"}));
+        ->check(CLI::IsMember(names_in(crack_names)));
 }
 
 void cloud_options::add_trunk_options() {
@@ -386,32 +378,92 @@ void cloud_options::add_trunk_options() {
                                "--alpha-threshold of the trunk",
                                [](recipe& how, const std::string& text) {
                                    const double share = parse_share("--trunk-alpha", text);
-                                   how.options.bake.thresholds = {share, share};
+                                   how.options.bake.alpha.thresholds = {share, share};
                                });
 }
 
 void cloud_options::add_texture_options() {
     group_ = "Textures";
-    add<int>("--texels", "512", "Texels along the diameter of the bounding sphere",
-             [](recipe& how, int texels) { how.options.bake.texels = texels; })
-        ->check(CLI::Range(1, 65536));
+    CLI::Option* texels =
+        add<int>("--texels", "512", "Texels along the diameter of the bounding sphere",
+                 [](recipe& how, int count) { how.options.bake.texels = count; })
+            ->check(CLI::Range(1, 65536));
+    add<double>("--texels-per-unit", "0", "Texels along a scene unit; 0: as --texels says",
+                [](recipe& how, double count) { how.options.bake.texels_per_unit = count; })
+        ->check(CLI::Range(0.0, 1e9))
+        ->excludes(texels);
     add<int>("--max-atlas", "4096", "Longest side of an atlas, texels", [](recipe& how, int side) {
         how.options.bake.max_atlas = side;
     })->check(CLI::Range(64, 16384));
+    add<int>("--atlases", "0", "Most atlases: texels become coarser until all fit; 0: any number",
+             [](recipe& how, int count) { how.options.bake.max_atlases = count; })
+        ->check(CLI::Range(0, 1000));
     add<int>("--supersample", "4", "Samples along a texel's side", [](recipe& how, int samples) {
-        how.options.bake.supersample = samples;
+        how.options.bake.draw.supersample = samples;
     })->check(CLI::Range(1, max_supersample));
-    add<std::string>("--alpha-threshold", "30%, opaque materials 50%",
-                     "Covered share from which a texel is opaque",
-                     [](recipe& how, const std::string& text) {
-                         const double share = parse_share("--alpha-threshold", text);
-                         how.options.bake.thresholds = {share, share};
-                     });
+    add_texture_looks();
     add<int>("--padding", "8", "Texels between tiles; 2^n keep n mip levels apart",
-             [](recipe& how, int texels) { how.options.bake.padding = texels; })
+             [](recipe& how, int count) { how.options.bake.padding = count; })
         ->check(CLI::Range(0, 256));
     add_flag("--power-of-two", "Make the atlas' sides powers of two",
              [](recipe& how) { how.options.bake.power_of_two = true; });
+}
+
+void cloud_options::add_texture_looks() {
+    add<std::string>("--alpha", "binary",
+                     "What alpha holds: 0 or 1, the covered share, or the signed distance to the "
+                     "outline; all for an alpha test at a half",
+                     [](recipe& how, const std::string& name) {
+                         how.options.bake.alpha.kind = kind_in(alpha_names, name);
+                     })
+        ->check(CLI::IsMember(names_in(alpha_names)));
+    CLI::Option* area =
+        add<std::string>(
+            "--alpha-area", "covered",
+            "Opaque area of a tile: what the faces cover, seen along its normal; their "
+            "own surface, so that tilted leaves keep theirs; or as "
+            "--alpha-threshold gives",
+            [](recipe& how, const std::string& name) {
+                how.options.bake.alpha.area = kind_in(area_names, name);
+            })
+            ->check(CLI::IsMember(names_in(area_names)));
+    add<std::string>("--alpha-threshold", "30%, opaque materials 50%",
+                     "Covered share from which a texel is opaque, whatever the area",
+                     [](recipe& how, const std::string& text) {
+                         const double share = parse_share("--alpha-threshold", text);
+                         how.options.bake.alpha.thresholds = {share, share};
+                         how.options.bake.alpha.area = opaque_area::thresholds;
+                     })
+        ->excludes(area);
+    add<std::string>("--normals", "folded",
+                     "folded: of the front, on a double-sided polygon; sheets: front and back on "
+                     "polygons of their own; object: in scene space; dome: in scene space, blended "
+                     "with the directions out of the crown",
+                     [](recipe& how, const std::string& name) {
+                         how.options.bake.draw.normals = kind_in(normal_names, name);
+                     })
+        ->check(CLI::IsMember(names_in(normal_names)));
+    add<std::string>("--dome", "80%",
+                     "Weight of the directions out of the crown, for --normals dome",
+                     [](recipe& how, const std::string& text) {
+                         how.options.bake.draw.dome = parse_share("--dome", text);
+                     });
+    add<std::string>("--sides", "one",
+                     "Tiles a billboard; auto: two where its front and back look different",
+                     [](recipe& how, const std::string& name) {
+                         how.options.bake.sides = kind_in(side_names, name);
+                     })
+        ->check(CLI::IsMember(names_in(side_names)));
+    add<std::string>("--outline", "rect",
+                     "Polygons around what is opaque: rectangles, or of up to so many corners",
+                     [](recipe& how, const std::string& name) {
+                         how.options.bake.outline_corners = name == "rect" ? 0 : std::stoi(name);
+                     })
+        ->check(CLI::IsMember({"rect", "4", "5", "6", "7", "8"}));
+    add<int>("--occlusion", "0",
+             "Rays to the sky from each point: darkens what sees little of it; 0: none",
+             [](recipe& how, int rays) { how.options.bake.occlusion.rays = rays; })
+        ->check(CLI::Range(0, 4096));
 }
 
 }  // namespace cli

@@ -68,6 +68,7 @@ private:
     void add_seam_options();
     void add_trunk_options();
     void add_texture_options();
+    void add_texture_looks();
 
     [[nodiscard]] recipe recipe_for_whole(const billow::model_description& model) const;
     [[nodiscard]] bool wants_split(const billow::model_description& model) const;

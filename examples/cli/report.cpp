@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "names.hpp"
+
 namespace cli {
 
 using json = nlohmann::ordered_json;
@@ -15,48 +17,12 @@ using namespace billow;
 
 namespace {
 
-const char* name_of(refinement kind) {
-    switch (kind) {
-        case refinement::original:
-            return "original";
-        case refinement::fail_safe:
-            return "fail-safe";
-        case refinement::none:
-            return "none";
-    }
-    return "";
-}
-
 /// As --epsilon takes it.
 std::string text_of(const tolerance& length) {
     char text[40];
     std::snprintf(text, sizeof text, length.is_of_radius ? "%.6g%%" : "%.6g",
                   length.is_of_radius ? 100 * length.value : length.value);
     return text;
-}
-
-const char* name_of(falloff_use use) {
-    switch (use) {
-        case falloff_use::everywhere:
-            return "on";
-        case falloff_use::refinement:
-            return "refine";
-        case falloff_use::nowhere:
-            return "off";
-    }
-    return "";
-}
-
-const char* name_of(weld_kind kind) {
-    switch (kind) {
-        case weld_kind::none:
-            return "none";
-        case weld_kind::first:
-            return "first";
-        case weld_kind::intersection:
-            return "intersection";
-    }
-    return "";
 }
 
 /// Without the noise of the way to radians and back.
@@ -79,18 +45,19 @@ json options_json(const recipe& how) {
         degrees_of(std::acos(static_cast<double>(density.contribution.least_cosine)));
     chosen["penalty"] = density.penalty.weight;
     chosen["penalty_in_refinement"] = options.search.penalty_in_refinement;
-    chosen["falloff"] = name_of(options.search.falloff);
+    chosen["falloff"] = name_in(falloff_names, options.search.falloff);
     chosen["falloff_strength"] = density.falloff.strength;
     chosen["horizontal_penalty"] = density.bias.horizontal_share;
     chosen["fly_over"] = density.bias.vertical_share;
     chosen["up"] = density.bias.up.x > 0 ? "x" : density.bias.up.y > 0 ? "y" : "z";
     chosen["distribution"] = options.search.distribution.strength;
-    chosen["refine"] = name_of(options.search.refine);
+    chosen["refine"] = name_in(refinement_names, options.search.refine);
     chosen["fit"] = how.method.fitter.name();
     chosen["skip_area"] = options.search.skip_area;
     chosen["min_contribution"] = options.search.min_contribution;
     chosen["compact"] = how.method.grouping.is_compact;
-    chosen["weld"] = how.method.motion.is_welding ? "online" : name_of(options.weld.kind);
+    chosen["weld"] = how.method.motion.is_welding ? std::string("online")
+                                                  : name_in(weld_kind_names, options.weld.kind);
     chosen["weld_angle"] = degrees_of(options.weld.min_angle);
     chosen["cardboard"] = options.cardboard.min_coverage;
     return chosen;
@@ -100,10 +67,17 @@ json textures_json(const bake_options& options) {
     json chosen;
     chosen["texels"] = options.texels;
     chosen["max_atlas"] = options.max_atlas;
-    chosen["supersample"] = options.supersample;
+    chosen["max_atlases"] = options.max_atlases;
+    chosen["supersample"] = options.draw.supersample;
     chosen["padding"] = options.padding;
     chosen["power_of_two"] = options.power_of_two;
-    chosen["cracks"] = options.cracks == crack_reduction::envelope ? "envelope" : "none";
+    chosen["alpha"] = name_in(alpha_names, options.alpha.kind);
+    chosen["alpha_area"] = name_in(area_names, options.alpha.area);
+    chosen["normals"] = name_in(normal_names, options.draw.normals);
+    chosen["sides"] = name_in(side_names, options.sides);
+    chosen["outline_corners"] = options.outline_corners;
+    chosen["occlusion_rays"] = options.occlusion.rays;
+    chosen["cracks"] = name_in(crack_names, options.draw.cracks);
     return chosen;
 }
 
@@ -170,7 +144,7 @@ std::string report_json(const finished_build& of) {
     report["generator"] = "billow " BILLOW_VERSION;
     report["faces"] = faces;
     report["planes"] = result.cloud.plane_count();
-    report["triangles"] = 2 * result.cloud.plane_count() + result.kept.face_count();
+    report["triangles"] = of.triangles;
     report["epsilon"] = epsilon;
     report["radius"] = result.cloud.bounds.radius;
     report["max_error"] = errors.max_error;
@@ -197,6 +171,9 @@ std::string report_json(const finished_build& of) {
     atlas["fill"] = result.baked.fill;
     atlas["count"] = atlases.size();
     atlas["texel_size"] = result.baked.texel_size;
+    atlas["wanted_texel_size"] = result.baked.wanted_size;
+    atlas["tiles"] = result.baked.tiles.size();
+    atlas["overdraw"] = result.baked.overdraw();
 
     json& seconds = report["seconds"];
     seconds["load"] = of.seconds.load;
@@ -219,8 +196,7 @@ void print_summary(const finished_build& of) {
     }
     const std::size_t kept = result.kept.face_count();
     std::printf("%s: %zu faces -> %zu planes, %zu triangles%s\n", of.input.string().c_str(),
-                of.loaded.mesh.face_count(), result.cloud.plane_count(),
-                2 * result.cloud.plane_count() + kept,
+                of.loaded.mesh.face_count(), result.cloud.plane_count(), of.triangles,
                 kept > 0 ? (" with " + std::to_string(kept) + " of the trunk").c_str() : "");
     std::printf("error: largest %.4g (%.3f epsilon), mean %.4g; epsilon %.4g, radius %.4g\n",
                 result.errors.max_error, epsilon > 0 ? result.errors.max_error / epsilon : 0.0,
@@ -238,10 +214,12 @@ void print_summary(const finished_build& of) {
         std::printf("note: %zu faces, %.3g %% of the area, are far from all planes and dropped\n",
                     search.dropped_faces, 100 * search.dropped_area_share);
     }
-    const double wished = 2 * result.cloud.bounds.radius / of.how.whole.options.bake.texels;
-    if (result.baked.texel_size > 1.001 * wished) {
-        std::printf("note: texels are %.2f times larger than asked for, to fit --max-atlas\n",
-                    result.baked.texel_size / wished);
+    const double wanted = result.baked.wanted_size;
+    if (result.baked.texel_size > 1.001 * wanted) {
+        std::printf("note: texels are %.2f times larger than asked for, to fit %s\n",
+                    result.baked.texel_size / wanted,
+                    of.how.whole.options.bake.max_atlases > 0 ? "--max-atlas and --atlases"
+                                                              : "--max-atlas");
     }
     std::printf("wrote %s in %.2f s\n", of.output.string().c_str(), of.seconds.total);
 }

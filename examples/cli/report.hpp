@@ -1,6 +1,7 @@
 // What the tool tells of a cloud that it has made: JSON for programs, lines for people.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <string>
 
@@ -24,6 +25,7 @@ struct finished_build {
     const model_recipe& how;
     const billow::loaded_mesh& loaded;
     const billow::build_result& result;
+    std::size_t triangles = 0;  ///< of what was written
     tool_times seconds{};
 };
 

@@ -83,7 +83,7 @@ namespace presets {
 [[nodiscard]] inline auto tree() {
     build_options foliage;
     foliage.epsilon = tolerance::of_radius(0.1);
-    foliage.bake.thresholds.foliage = 0.3;
+    foliage.bake.alpha.thresholds.foliage = 0.3;
     build_options trunk = foliage;
     trunk.cardboard.min_coverage = 0.8;
     return tree_preset{

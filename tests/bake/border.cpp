@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include "support/opaque_marks.hpp"
+
 using namespace billow;
 
 namespace {
@@ -29,7 +31,7 @@ baked_cloud two_tiles() {
 TEST_SUITE("bake/border") {
     TEST_CASE("a tile with its padding takes its own opaque texels, whatever lies beside it") {
         baked_cloud baked = two_tiles();
-        fill_borders(baked, 2);
+        fill_borders(baked, support::opaque_marks(baked), 2);
         const atlas& a = baked.atlases[0];
         for (int y = 0; y < 8; ++y) {
             for (int x = 0; x < 16; ++x) {
@@ -42,7 +44,7 @@ TEST_SUITE("bake/border") {
     }
     TEST_CASE("what no tile holds takes the nearest tile's colour, and alpha stays") {
         baked_cloud baked = two_tiles();
-        fill_borders(baked, 2);
+        fill_borders(baked, support::opaque_marks(baked), 2);
         const atlas& a = baked.atlases[0];
         CHECK(a.base_color.pixel(23, 7)[2] == 200);
         int opaque = 0;
@@ -51,12 +53,21 @@ TEST_SUITE("bake/border") {
         }
         CHECK(opaque == 2);
     }
+    TEST_CASE("a covered texel keeps its colour, opaque or not") {
+        baked_cloud baked = two_tiles();
+        const auto covered = support::opaque_marks(baked);
+        baked.atlases[0].base_color.pixel(5, 3)[3] = 0;
+        fill_borders(baked, covered, 2);
+        CHECK(baked.atlases[0].base_color.pixel(5, 3)[0] == 200);
+        CHECK(baked.atlases[0].base_color.pixel(2, 2)[0] == 200);
+        CHECK(baked.atlases[0].base_color.pixel(5, 3)[3] == 0);
+    }
     TEST_CASE("any number of threads fills alike") {
         baked_cloud one = two_tiles();
-        fill_borders(one, 2, {1});
+        fill_borders(one, support::opaque_marks(one), 2, {1});
         for (const unsigned threads : {2u, 3u}) {
             baked_cloud many = two_tiles();
-            fill_borders(many, 2, {threads});
+            fill_borders(many, support::opaque_marks(many), 2, {threads});
             CHECK(many.atlases[0].base_color == one.atlases[0].base_color);
         }
     }

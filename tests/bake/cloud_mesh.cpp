@@ -69,6 +69,43 @@ TEST_SUITE("bake/cloud_mesh") {
         CHECK(pixels(7) == vec2(50, 4));   // v runs to the right
     }
 
+    TEST_CASE("a billboard with a back has a second polygon that faces the other way") {
+        two_cards cards;
+        cards.baked.tiles.push_back({0, 8, 20, 20, 10, false});
+        cards.baked.back_of = {2, no_id};
+        const mesh m = cloud_mesh(cards.cloud, cards.baked);
+        REQUIRE(m.face_count() == 6);
+        CHECK(m.feature_ids == std::vector<std::uint32_t>{0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1});
+        const auto [a, b, c] = m.corners(2);
+        CHECK(glm::dot(glm::cross(b - a, c - a), m.normals[4]) == doctest::Approx(8));
+        CHECK(m.normals[4] == -m.normals[0]);
+        CHECK(m.positions[4] == m.positions[0]);
+        // Seen from behind, the corner (0, 0) is on the right.
+        CHECK(m.uv_sets[0][4] * vec2(64, 32) == vec2(28, 30));
+        REQUIRE(m.materials.size() == 2);
+        CHECK_FALSE(m.materials[m.face_materials[0]].is_double_sided);
+        CHECK(m.materials[m.face_materials[4]].is_double_sided);
+        CHECK(m.images.size() == 2);  // shared
+        // The tangent frame of the back follows its texture, too.
+        const vec3 along_u = m.positions[4] - m.positions[5];
+        CHECK(glm::dot(glm::normalize(along_u), vec3(m.tangents[4])) == doctest::Approx(1));
+    }
+
+    TEST_CASE("outlines become fans") {
+        two_cards cards;
+        cards.baked.outlines = {{{.5, 0}, {1, .5}, {.5, 1}, {.25, 1}, {0, .5}},
+                                {{0, 0}, {1, 0}, {0, 1}}};
+        const mesh m = cloud_mesh(cards.cloud, cards.baked);
+        CHECK(m.vertex_count() == 8);
+        REQUIRE(m.face_count() == 4);
+        CHECK(m.positions[0] == vec3(1, 2, 1));
+        CHECK(m.uv_sets[0][0] * vec2(64, 32) == vec2(18, 14));
+        for (face_id f = 0; f < 4; ++f) {
+            const auto [a, b, c] = m.corners(f);
+            CHECK(glm::dot(glm::cross(b - a, c - a), m.normals[m.triangles[f].x]) > 0);
+        }
+    }
+
     TEST_CASE("materials are masked, double sided and not metal") {
         const two_cards cards;
         const mesh m = cloud_mesh(cards.cloud, cards.baked);

@@ -8,6 +8,8 @@
 
 #include <billow/core/random.hpp>
 
+#include "support/opaque_marks.hpp"
+
 using namespace billow;
 
 namespace {
@@ -56,7 +58,7 @@ baked_cloud foliage() {
             a.base_color.pixel(x, y)[3] = 255;
         }
     }
-    fill_borders(baked, padding);
+    fill_borders(baked, support::opaque_marks(baked), padding);
     return baked;
 }
 
@@ -164,7 +166,7 @@ TEST_SUITE("bake/mips") {
                     }
                 }
             }
-            fill_borders(baked, 8);
+            fill_borders(baked, support::opaque_marks(baked), 8);
             const auto mips = make_mips(baked, {.padding = 8});
             REQUIRE(mips[0].safe_levels == 4);
             for (int level = 0; level < 4; ++level) {

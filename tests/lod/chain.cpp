@@ -21,7 +21,7 @@ namespace {
 lod_options small(std::vector<std::size_t> levels, lod_source made_of = lod_source::level_above) {
     lod_options options{.levels = std::move(levels), .made_of = made_of};
     options.build.bake.texels = 64;
-    options.build.bake.supersample = 2;
+    options.build.bake.draw.supersample = 2;
     return options;
 }
 

@@ -38,7 +38,7 @@ build_options small(double epsilon) {
     build_options options;
     options.epsilon = tolerance::of_radius(epsilon);
     options.bake.texels = 64;
-    options.bake.supersample = 2;
+    options.bake.draw.supersample = 2;
     return options;
 }
 
@@ -212,7 +212,7 @@ TEST_SUITE("pipeline/parts") {
             build_cloud(tree, small(1), plans{{foliage, leafy, {}}, {trunk, woody, {}}});
         woody.cardboard.min_coverage = 0.5;
         woody.weld.kind = weld_kind::intersection;
-        leafy.bake.thresholds.foliage = 0.95f;
+        leafy.bake.alpha.thresholds.foliage = 0.95f;
         const auto changed =
             build_cloud(tree, small(1), plans{{foliage, leafy, {}}, {trunk, woody, {}}});
         REQUIRE((plain && changed));

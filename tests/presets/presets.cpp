@@ -25,7 +25,7 @@ constexpr bool is_a = std::is_same_v<std::remove_cvref_t<T>, Part>;
 
 build_options small(build_options options) {
     options.bake.texels = 64;
-    options.bake.supersample = 1;
+    options.bake.draw.supersample = 1;
     return options;
 }
 
@@ -122,7 +122,7 @@ TEST_SUITE("presets/presets") {
         const auto how = presets::tree();
         CHECK(how.foliage.method.policies.bias.share == 0.60);
         CHECK(how.foliage.method.policies.bias.cutoff_deg == 50);
-        CHECK(how.foliage.options.bake.thresholds.foliage == 0.3);
+        CHECK(how.foliage.options.bake.alpha.thresholds.foliage == 0.3);
         CHECK(how.foliage.options.cardboard.min_coverage == 0);
         CHECK(how.trunk.options.cardboard.min_coverage == 0.8);
         static_assert(is_a<angular_area, decltype(how.foliage.method.policies.contribution)>);

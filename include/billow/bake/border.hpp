@@ -1,7 +1,7 @@
-// Colours for what is transparent, so that filtering and mip maps draw no halo.
+// Colours for what is empty, so that filtering and mip maps draw no halo.
 //
-// Luksch 2009, section 4.5; here the whole transparent area is filled, each texel from the opaque
-// one that is exactly nearest.
+// Luksch 2009, section 4.5; here the whole empty area is filled, each texel from the one that is
+// exactly nearest of those where a face is seen, opaque or not.
 #pragma once
 
 #include <algorithm>
@@ -50,14 +50,17 @@ struct border_scratch {
     nearest_scratch rows{};
 };
 
-inline void fill_tile_border(atlas& in, const pixel_rectangle& area, border_scratch& scratch) {
+inline void fill_tile_border(atlas& in, const std::vector<char>& is_covered,
+                             const pixel_rectangle& area, border_scratch& scratch) {
     const std::span nearest =
         std::span(scratch.nearest)
             .first(static_cast<std::size_t>(area.width) * static_cast<std::size_t>(area.height));
-    const auto is_opaque = [&](int x, int y) {
-        return in.base_color.pixel(area.x + x, area.y + y)[3] != 0;
+    const auto is_seed = [&](int x, int y) {
+        return is_covered[static_cast<std::size_t>(area.y + y) *
+                              static_cast<std::size_t>(in.width()) +
+                          static_cast<std::size_t>(area.x + x)] != 0;
     };
-    nearest_pixels(area.width, area.height, is_opaque, nearest, scratch.rows);
+    nearest_pixels(area.width, area.height, is_seed, nearest, scratch.rows);
     for (int y = 0; y < area.height; ++y) {
         for (int x = 0; x < area.width; ++x) {
             const std::int32_t from = nearest[static_cast<std::size_t>(y * area.width + x)];
@@ -90,12 +93,15 @@ inline void fill_between_tiles(atlas& in, const std::vector<char>& is_filled, pa
 
 }  // namespace detail
 
-/// Gives every transparent texel all channels of the nearest opaque texel: within a tile and its
-/// padding the nearest of that tile, elsewhere the nearest texel of any of these. Alpha stays.
+/// Gives every empty texel all channels of the nearest covered texel: within a tile and its padding
+/// the nearest of that tile, elsewhere the nearest texel of any of these. Alpha stays.
 ///
+/// Shape  `is_covered`: for each atlas a mark a texel, see placed_tiles.
 /// Needs  tiles whose paddings do not overlap.
 /// Cost   O(texels), parallel over tiles, then over rows.
-inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {}) {
+inline void fill_borders(baked_cloud& baked, const std::vector<std::vector<char>>& is_covered,
+                         int padding, parallel threads = {}) {
+    BILLOW_ASSERT(is_covered.size() == baked.atlases.size());
     std::size_t largest = 0;
     std::size_t widest_rows = 0;
     for (const tile& t : baked.tiles) {
@@ -113,7 +119,7 @@ inline void fill_borders(baked_cloud& baked, int padding, parallel threads = {})
     for_jobs(threads, baked.tiles.size(), scratches, [&](std::size_t job, auto& scratch) {
         const tile& t = baked.tiles[job];
         atlas& in = baked.atlases[t.atlas];
-        detail::fill_tile_border(in, detail::padded(t, in, padding), scratch);
+        detail::fill_tile_border(in, is_covered[t.atlas], detail::padded(t, in, padding), scratch);
     });
     for (atlas_id id = 0; id < baked.atlases.size(); ++id) {
         atlas& in = baked.atlases[id];

@@ -1,14 +1,14 @@
-// From the samples of a texel to its bytes in the atlas.
+// From the samples of a texel to its bytes in a tile.
 //
 // Luksch 2009, section 4.5: only samples that show a face are averaged, so no halo of background.
-// Fuhrmann et al. 2005, section 3.3.7: binary alpha from the covered share.
 #pragma once
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
-#include <billow/bake/baked_cloud.hpp>
 #include <billow/bake/horizon.hpp>
+#include <billow/bake/tile_picture.hpp>
 #include <billow/bake/visibility.hpp>
 #include <billow/core/types.hpp>
 #include <billow/image/srgb.hpp>
@@ -17,15 +17,10 @@ namespace billow::inline BILLOW_ABI {
 
 /// The mean look of what a texel shows.
 struct texel {
-    surface_sample look{};  ///< normal in scene space, turned to the front
-    int samples = 0;        ///< that show a face
-    bool is_opaque = false;
-};
-
-/// Shares of a texel that must be covered for it to be opaque.
-struct coverage_thresholds {
-    double foliage = 0.3;  ///< materials of alpha_mode::mask and blend
-    double solid = 0.5;
+    surface_sample look{};   ///< normal in scene space, turned to the front
+    int samples = 0;         ///< that show a face
+    int cut_out = 0;         ///< those of them on materials of alpha_mode::mask and blend
+    float surface_area = 0;  ///< of what they show, in samples, see tile_picture
 };
 
 namespace detail {
@@ -67,19 +62,28 @@ private:
     float weight_ = 0;
 };
 
+/// How much larger a face is than it looks along `front`, at most four times.
+[[nodiscard]] inline float tilt_of(const mesh& source, face_id face, const vec3& front) noexcept {
+    const auto [a, b, c] = source.corners(face);
+    const dvec3 cross = glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a));
+    const double seen = std::abs(glm::dot(cross, dvec3(front)));
+    const double area = glm::length(cross);
+    return area < 4 * seen ? static_cast<float>(area / seen) : 4.0f;
+}
+
 }  // namespace detail
 
-/// The texel in column x and row y of a view's grid.
+/// The texel in column x and row y of a view's grid; `front` is the view's normal. `surface_area` is
+/// left at 0 unless `measures_surface`.
 [[nodiscard]] inline texel resolve_texel(const visibility_buffer& buffer, view_shader& shader,
                                          const surface& look, int x, int y, int supersample,
-                                         const coverage_thresholds& thresholds,
-                                         const vec3& front) noexcept {
+                                         const vec3& front,
+                                         bool measures_surface = false) noexcept {
     std::array<texel_part, max_supersample * max_supersample> parts;
     const std::size_t count = parts_of_texel(buffer, x, y, supersample, parts);
     texel result;
     if (count == 0) return result;
     detail::look_mean mean;
-    double threshold = 0;  // summed over the covered samples
     for (std::size_t i = 0; i < count; ++i) {
         const bool is_solid = look.material_of(parts[i].face).alpha == alpha_mode::opaque;
         // Solids at the centre of the texel, or the nearest point of the face: sharp where a texel
@@ -87,47 +91,54 @@ private:
         const dvec2 point =
             is_solid ? dvec2(x + 0.5, y + 0.5) * static_cast<double>(supersample) : parts[i].centre;
         mean.add(shader.at(parts[i].face, point), static_cast<float>(parts[i].samples));
-        threshold += parts[i].samples * (is_solid ? thresholds.solid : thresholds.foliage);
+        if (measures_surface) {
+            result.surface_area += static_cast<float>(parts[i].samples) *
+                                   detail::tilt_of(look.source(), parts[i].face, front);
+        }
         result.samples += parts[i].samples;
+        if (!is_solid) result.cut_out += parts[i].samples;
     }
     result.look = mean.mean(front);
-    const double share = static_cast<double>(result.samples) / (supersample * supersample);
-    result.is_opaque = share >= threshold / result.samples - 1e-9;
     return result;
 }
 
-/// Where the texel in column x and row y of an upright tile lies in the atlas.
-[[nodiscard]] inline ivec2 texel_position(const tile& t, int x, int y) noexcept {
-    // A quarter turn clockwise takes the row from the top to the column from the right.
-    return t.is_rotated ? ivec2(t.x + t.width - 1 - y, t.y + x) : ivec2(t.x + x, t.y + y);
+/// How a normal becomes a colour.
+struct normal_encoding {
+    frame axes{};                 ///< of the billboard, or of its back
+    bool is_scene_space = false;  ///< as it is; else in the billboard's axes, and never behind it
+};
+
+[[nodiscard]] inline vec3 encoded_normal(const vec3& normal, const normal_encoding& how) noexcept {
+    if (how.is_scene_space) return normal;
+    vec3 local(how.axes.to_local(dvec3(normal)));
+    // A tangent space normal map holds nothing behind the surface: blue stays at 128 or above.
+    local.z = std::max(local.z, 0.004f);
+    return glm::normalize(local);
 }
 
-/// Writes `value` to the channels that `to` has. Alpha tells whether the texel is opaque.
-inline void write_texel(atlas& to, const tile& t, const frame& axes, int x, int y,
+/// Writes `value` to all channels that `to` has, but alpha.
+inline void write_texel(tile_picture& to, const normal_encoding& normals, int x, int y,
                         const texel& value) noexcept {
-    const ivec2 at = texel_position(t, x, y);
+    const std::size_t at = to.index(x, y);
+    to.covered[at] = static_cast<std::uint8_t>(value.samples);
+    to.cut_out[at] = static_cast<std::uint8_t>(value.cut_out);
+
+    atlas& channels = to.channels;
     const surface_sample& look = value.look;
-    std::uint8_t* color = to.base_color.pixel(at.x, at.y);
+    std::uint8_t* color = channels.base_color.pixel(x, y);
     for (int c = 0; c < 3; ++c) color[c] = srgb_byte_from_linear(look.base_color[c]);
-    color[3] = value.is_opaque ? 255 : 0;
-
-    const dvec3 local = axes.to_local(dvec3(look.normal));
-    // A normal map holds nothing that points behind the surface: blue stays at 128 or above.
-    vec3 normal(t.is_rotated ? dvec3(local.y, -local.x, local.z) : local);
-    normal.z = std::max(normal.z, 0.004f);
-    normal = glm::normalize(normal);
-    std::uint8_t* n = to.normal.pixel(at.x, at.y);
+    const vec3 normal = encoded_normal(look.normal, normals);
+    std::uint8_t* n = channels.normal.pixel(x, y);
     for (int c = 0; c < 3; ++c) n[c] = byte_from_unit(normal[c] * 0.5f + 0.5f);
-
-    std::uint8_t* orm = to.occlusion_roughness_metallic.pixel(at.x, at.y);
+    std::uint8_t* orm = channels.occlusion_roughness_metallic.pixel(x, y);
     orm[0] = byte_from_unit(look.occlusion);
     orm[1] = byte_from_unit(look.roughness);
     orm[2] = byte_from_unit(look.metallic);
-    std::uint8_t* emissive = to.emissive.pixel(at.x, at.y);
+    std::uint8_t* emissive = channels.emissive.pixel(x, y);
     for (int c = 0; c < 3; ++c) emissive[c] = srgb_byte_from_linear(look.emissive[c]);
-    if (!to.horizon.empty()) {
+    if (!channels.horizon.empty()) {
         const auto cone = encode_horizon(cone_of(look.visible_sky));
-        std::copy(cone.begin(), cone.end(), to.horizon.pixel(at.x, at.y));
+        std::copy(cone.begin(), cone.end(), channels.horizon.pixel(x, y));
     }
 }
 

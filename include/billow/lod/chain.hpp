@@ -102,15 +102,17 @@ template <level_builder FromMesh, level_builder FromBillboards>
     if (const auto fault = detail::fault_of(options)) return *fault;
     lod_chain chain;
     build_options build = options.build;
-    double texels = build.bake.texels;
+    double texel_share = 1;
     drawn_faces original;
     drawn_faces above;
     for (const std::size_t most_planes : options.levels) {
         const std::size_t number = chain.levels.size();
         const bool is_incremental = number > 0 && options.made_of == lod_source::level_above &&
                                     most_planes >= options.least_incremental;
-        build.bake.texels = std::max(1, static_cast<int>(std::lround(texels)));
-        texels *= options.texel_share;
+        build.bake.texels =
+            std::max(1, static_cast<int>(std::lround(options.build.bake.texels * texel_share)));
+        build.bake.texels_per_unit = options.build.bake.texels_per_unit * texel_share;
+        texel_share *= options.texel_share;
         progress_function tell;
         if (progress) {
             tell = [&](std::string_view stage, double share) {

@@ -81,7 +81,7 @@ public:
         result_.moved.insert(result_.moved.end(), found.moved.begin(), found.moved.end());
         welds_.push_back(plan.weld);
         cardboards_.push_back(plan.cardboard);
-        thresholds_.push_back(plan.bake.thresholds);
+        thresholds_.push_back(plan.bake.alpha.thresholds);
         result_.parts.push_back(told);
     }
 
