@@ -70,7 +70,7 @@ public:
                  density_scale(faces)),
           area_(area_of(faces)),
           row_of_(space_.orientation_count()),
-          cells_(make_cells(faces)),
+          cells_(make_cells()),
           weights_(cells_, bias_, options.distribution),
           directions_(sweep_, centres(cells_), threads),
           scratches_(threads.count()) {}
@@ -122,7 +122,7 @@ private:
         return std::accumulate(faces.area.begin(), faces.area.end(), 0.0);
     }
     /// One row for n and -n, which share their planes.
-    [[nodiscard]] std::vector<orientation_cell> make_cells(const face_table&) {
+    [[nodiscard]] std::vector<orientation_cell> make_cells() {
         std::vector<orientation_cell> cells;
         for (orientation_id id = 0; id < space_.orientation_count(); ++id) {
             const orientation_id opposite = space_.antipode(id);
@@ -183,6 +183,41 @@ private:
 
 }  // namespace detail
 
+/// Finds planes that lie within epsilon of every vertex of every face: again and again the plane that
+/// collects most, until no face is left or enough is covered.
+///
+/// For every normal of `parts.space` the best offset is found exactly, and with it the best plane over
+/// all of these normals; pattern searches from the best few of them turn the plane to where it
+/// collects more still. Of the equal offsets it takes the one nearest to the faces, and the fitter may
+/// move it within epsilon. Then it takes all faces that are valid for it.
+///
+/// Policies: any contribution; penalties count exactly, too, but bounds are loose for them and all
+/// normals are summed up for each plane; a bias and plane_distribution weigh normals, those between
+/// the samples as the nearest one. Validity policies estimate what is exact here and are not asked; a
+/// falloff has no say.
+///
+/// Guarantee. Contributions that only sum over the faces of a plane are monotone and submodular in
+/// the set of planes, so greedy planes hold, after k of them, at least 1 - 1/e of what the best k planes
+/// of the same choice hold (Nemhauser, Wolsey, Fisher 1978), and for full cover at most 1 + ln(most
+/// that a plane collects / least that a face adds) times as many planes as are needed (Wolsey 1982).
+/// "The same choice" is: all offsets, the normals of the space; a face's worth is taken as one
+/// number for all planes. It varies with |cos| under a projected contribution, and a plane takes
+/// faces that others would show better: the bound then holds for what the choice counted, not for
+/// projected_area_share. Planes that the local search finds collect as much or more at their step.
+/// Nothing is promised with a penalty, with weights of normals, or with a grouping.
+///
+/// Shape, Unit, Gives: as greedy_search, whose result this is; covered_area is the curve of planes
+/// against area. With coverage < 1 the faces that are left join a plane within `skipped`, which may
+/// be farther than epsilon, or none: statistics tell their number and area.
+/// Needs   options.epsilon > 0.
+/// Fails   never.
+/// Cost    O(faces · normals), twice at most, and O(remaining faces) for each normal that is swept;
+///         130 bytes a face beyond the input, 10 to 32 MB for the rows of a raster of 18. Same
+///         result for any thread count.
+/// Source  The greedy rule: Décoret et al. 2003. G. L. Nemhauser, L. A. Wolsey, M. L. Fisher: An
+///         analysis of approximations for maximizing submodular set functions I. Mathematical
+///         Programming 14, 1978. L. A. Wolsey: An analysis of the greedy algorithm for the submodular
+///         set covering problem. Combinatorica 2, 1982. Lazy evaluation: Minoux 1978.
 template <class... Parts>
 [[nodiscard]] greedy_result exact_search(face_table faces, std::size_t face_count,
                                          const exact_search_options& options,
@@ -198,6 +233,10 @@ template <class... Parts>
                                    .skipped = options.skipped},
                                   threads)
         .run(face_count, chooser, progress);
+}
+[[nodiscard]] inline greedy_result exact_search(face_table faces, std::size_t face_count,
+                                                const exact_search_options& options) {
+    return exact_search(std::move(faces), face_count, options, pipeline{});
 }
 
 }  // namespace billow::inline BILLOW_ABI

@@ -18,11 +18,13 @@ struct density_method {};
 
 /// Planes are looked for by exact offsets, normal by normal: exact_search.
 struct exact_method {
-    double tangency =
-        0;  ///< tangent_share: how much more frontal faces count, ≥ 0; 0: as projected
-    int starts =
-        4;  ///< normals that a local search starts from for each plane; 0: none, the planes
-            ///< have normals of the plane space
+    /// How much more frontal faces count, ≥ 0, see tangent_share; 0: as the contribution policy says.
+    double tangency = 0;
+    /// Share of the faces' area, [0, 1]: when less is left, faces count whole, however askew, which
+    /// ends the search with fewer planes; 0: never.
+    double tail = 0.05;
+    /// Normals that a local search starts from for each plane; 0: planes have normals of the space.
+    int starts = 4;
     double last_step = 0.15 * std::numbers::pi / 180;  ///< of that search, radians, > 0
 };
 

@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <billow/search/greedy.hpp>
+#include <billow/search/search_planes.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -111,7 +111,7 @@ template <class Search, class Count>
     return *std::move(best);
 }
 
-/// A greedy search for a cloud of about `planes` planes.
+/// A greedy search, the one that the pipeline names, for a cloud of about `planes` planes.
 ///
 /// Needs   planes > 0; options.max_planes and options.epsilon are not read.
 /// Gives   the cloud, with the epsilon it keeps; no plane for a table without faces.
@@ -130,14 +130,14 @@ template <class... Parts>
         options.epsilon = epsilon;
         options.max_planes = limit + 1;
         greedy_result found =
-            greedy_search(faces, face_count, options, parts, threads, progress_of_one);
+            search_planes(faces, face_count, options, parts, threads, progress_of_one);
         ++searches_done;
         return found;
     };
     const auto count = [](const greedy_result& found) { return found.cloud.plane_count(); };
     if (faces.size == 0) {
         options.epsilon = std::max(faces.bounds.radius, 1.0);
-        return {.result = greedy_search(faces, face_count, options, parts, threads)};
+        return {.result = search_planes(faces, face_count, options, parts, threads)};
     }
     budgeted<greedy_result> best =
         search_for_planes(planes, faces.bounds.radius, search, count, budget);

@@ -1,0 +1,40 @@
+// The search that a pipeline names.
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+#include <utility>
+
+#include <billow/search/exact_search.hpp>
+#include <billow/search/greedy.hpp>
+
+namespace billow::inline BILLOW_ABI {
+
+/// What `method` needs of the options that all searches share. Those that are about bins and their
+/// refinement have no counterpart.
+[[nodiscard]] inline exact_search_options exact_options(const greedy_options& options,
+                                                        const exact_method& method) {
+    return {.epsilon = options.epsilon,
+            .max_planes = options.max_planes,
+            .coverage = 1 - options.skip_area,
+            .min_contribution = options.min_contribution,
+            .skipped = options.skipped,
+            .distribution = options.distribution,
+            .method = method};
+}
+
+/// greedy_search or exact_search, as `parts.search` says.
+template <class... Parts>
+[[nodiscard]] greedy_result search_planes(face_table faces, std::size_t face_count,
+                                          const greedy_options& options,
+                                          const pipeline<Parts...>& parts, parallel threads = {},
+                                          const progress_function& progress = {}) {
+    if constexpr (std::same_as<std::remove_cvref_t<decltype(parts.search)>, exact_method>) {
+        return exact_search(std::move(faces), face_count, exact_options(options, parts.search),
+                            parts, threads, progress);
+    } else {
+        return greedy_search(std::move(faces), face_count, options, parts, threads, progress);
+    }
+}
+
+}  // namespace billow::inline BILLOW_ABI
