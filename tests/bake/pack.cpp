@@ -139,7 +139,7 @@ TEST_SUITE("bake/pack") {
             const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
             MESSAGE(count << " rectangles: " << seconds * 1e3 << " ms, fill with padding "
                           << p.padded_fill);
-            CHECK(seconds < 10);  // a build without optimisation, with sanitizers
+            CHECK(seconds < 30);  // a build without optimisation, with sanitizers
             check_and_fill(sizes, p, {});
             CHECK(p.atlas_sizes.size() == 1);
             CHECK(p.padded_fill > 0.97);
