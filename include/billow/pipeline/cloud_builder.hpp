@@ -23,6 +23,7 @@
 #include <billow/pipeline/build_result.hpp>
 #include <billow/search/greedy.hpp>
 #include <billow/search/plane_budget.hpp>
+#include <billow/search/search_planes.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -93,7 +94,7 @@ private:
         how.epsilon = plan.epsilon.in(faces.bounds);
         const progress_function progress = progress_of(faces.size);
         if (plan.planes == 0) {
-            return greedy_search(std::move(faces), source_.face_count(), how, method,
+            return search_planes(std::move(faces), source_.face_count(), how, method,
                                  options_.threads, progress);
         }
         plane_budget_options budget;
