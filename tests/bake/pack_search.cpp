@@ -33,7 +33,7 @@ TEST_SUITE("bake/pack_search") {
         const auto area_for = [](int most) {
             std::vector<ivec2> sizes;
             for (int i = 1; i <= most; ++i) sizes.emplace_back(i, i);
-            detail::strip_search search(sizes, 1000, true);
+            detail::strip_search search(sizes, 1000, true, 2'000'000);
             return area_of(sizes, search.smallest());
         };
         CHECK(area_for(5) <= 63);   // of which 55 are squares
@@ -42,7 +42,7 @@ TEST_SUITE("bake/pack_search") {
 
     TEST_CASE("a full room holds as much as can be found, and names what it does not") {
         const std::vector<ivec2> sizes{{6, 6}, {6, 6}, {4, 10}, {6, 4}, {6, 6}};
-        detail::strip_search search(sizes, 10, true);
+        detail::strip_search search(sizes, 10, true, 1'000'000);
         const auto places = search.smallest();
         CHECK(area_of(sizes, places) == 100);
         CHECK(std::count_if(places.begin(), places.end(), [](auto& p) { return p.x < 0; }) == 2);
@@ -50,9 +50,9 @@ TEST_SUITE("bake/pack_search") {
 
     TEST_CASE("turns are left out where they are not allowed") {
         const std::vector<ivec2> sizes{{1, 9}, {9, 1}, {9, 1}};
-        detail::strip_search upright(sizes, 100, false);
+        detail::strip_search upright(sizes, 100, false, 1'000);
         for (const detail::strip_place& p : upright.smallest()) CHECK_FALSE(p.is_turned);
-        detail::strip_search turned(sizes, 100, true);
+        detail::strip_search turned(sizes, 100, true, 100'000);
         CHECK(area_of(sizes, turned.smallest()) == 27);
     }
 }

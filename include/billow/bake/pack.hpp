@@ -52,7 +52,10 @@ namespace detail {
 class atlas_packer {
 public:
     atlas_packer(std::span<const ivec2> sizes, const pack_options& options)
-        : sizes_(sizes), options_(options), limit_(side_limit(options)) {}
+        : sizes_(sizes),
+          options_(options),
+          limit_(side_limit(options)),
+          steps_left_(search_steps(sizes.size())) {}
 
     [[nodiscard]] packing run() {
         packing result;
@@ -76,9 +79,10 @@ private:
     void fill_atlas(std::vector<std::size_t>& left, packing& result) {
         std::vector<ivec2> sizes;
         for (const std::size_t id : left) sizes.push_back(padded(sizes_[id]));
-        strip_search search(sizes, limit_, options_.allows_rotation);
+        strip_search search(sizes, limit_, options_.allows_rotation, steps_left_);
         std::vector<strip_place> places =
             options_.power_of_two ? search.smallest_power_of_two() : search.smallest();
+        steps_left_ = std::max<std::int64_t>(steps_left_ - search.steps(), 0);
         turn_back(sizes, places);
 
         ivec2 used(0);
@@ -133,6 +137,7 @@ private:
     std::span<const ivec2> sizes_;
     pack_options options_;
     int limit_;
+    std::int64_t steps_left_;
 };
 
 }  // namespace detail

@@ -33,23 +33,31 @@ namespace billow::inline BILLOW_ABI::detail {
     return power < value ? 2 * power : power;
 }
 
+/// How long to search for the places of `count` rectangles; a step is some 4 ns.
+[[nodiscard]] inline std::int64_t search_steps(std::size_t count) noexcept {
+    const auto n = static_cast<std::int64_t>(count);
+    return std::min<std::int64_t>(5'000'000, 200'000 * n) + 20'000 * n;
+}
+
 /// Searches for the best places of rectangles in one atlas. Lengths are in units of the alignment.
 class strip_search {
 public:
     /// Needs  sizes that fit into a square of `limit`, turned if `allows_turns`.
-    strip_search(std::span<const ivec2> sizes, int limit, bool allows_turns)
+    ///        `steps` for all atlases that it takes; search_steps(sizes.size()) is a good number.
+    strip_search(std::span<const ivec2> sizes, int limit, bool allows_turns, std::int64_t steps)
         : sizes_(sizes), limit_(limit), allows_turns_(allows_turns) {
         for (const ivec2& size : sizes_) {
             area_ += std::int64_t{size.x} * size.y;
             narrowest_ = std::max(narrowest_, allows_turns ? std::min(size.x, size.y) : size.x);
         }
         const auto count = static_cast<std::int64_t>(sizes_.size());
-        const std::int64_t steps =
-            std::min<std::int64_t>(5'000'000, 200'000 * count) + 20'000 * count;
         steps_ = steps / (1 + area_ / (std::int64_t{limit} * limit));
         is_long_ = count * count > steps_ / 4;
         make_orders();
     }
+
+    /// Steps taken.
+    [[nodiscard]] std::int64_t steps() const noexcept { return packer_.steps(); }
 
     /// Places of all rectangles in the least area, or of as many as one atlas holds.
     [[nodiscard]] std::vector<strip_place> smallest() {
