@@ -121,7 +121,7 @@ private:
         face_rows touched = cover_.valid(t.removed);
         if (t.freed != no_id) {
             plane_cover::subtract(counts, cover_.valid(t.freed));
-            touched = joined(touched, cover_.valid(t.freed));
+            touched = united(touched, cover_.valid(t.freed));
         }
         face_rows orphans;
         for (const std::uint32_t row : touched) {
@@ -141,7 +141,7 @@ private:
                std::vector<std::uint32_t>& counts, face_rows& orphans,
                exchange_plan& result) const {
         const face_table& faces = cover_.faces();
-        const bool is_free = id == t.freed;
+        const double epsilon = cover_.exact_epsilon();
         face_rows core = extreme_rows(faces, kept);
         const face_rows wanted = thinned(orphans);
         const dvec3 from = cover_.planes()[id].normal;
@@ -151,24 +151,23 @@ private:
         const std::vector<dvec3> normals =
             joint_normals(from, cover_.planes()[t.removed].normal, apart);
         served_faces found;
-        face_rows rows;
         for (int round = 0; round < 6; ++round) {
-            found = most_served(faces, core, wanted, cover_.epsilon()).near(normals);
+            found = most_served(faces, core, wanted, epsilon).near(normals);
             if (!(found.area > 0)) return;
             const face_extent_along all = extent_along(faces, kept, found.plane.normal);
             const double rho = found.plane.rho;
-            const bool keeps_low = kept.empty() || rho - all.low <= cover_.epsilon();
-            const bool keeps_high = kept.empty() || all.high - rho <= cover_.epsilon();
+            const bool keeps_low = kept.empty() || rho - all.low <= epsilon;
+            const bool keeps_high = kept.empty() || all.high - rho <= epsilon;
             if (keeps_low && keeps_high) break;
             if (!keeps_low) core.push_back(all.low_row);
             if (!keeps_high) core.push_back(all.high_row);
         }
-        rows = cover_.rows_for(found.plane, parallel{1});
+        face_rows rows = cover_.rows_for(found.plane, parallel{1});
         if (!std::ranges::includes(rows, kept)) return;
         face_rows left;
         std::ranges::set_difference(orphans, rows, std::back_inserter(left));
         if (left.size() == orphans.size()) return;
-        if (!is_free) plane_cover::subtract(counts, cover_.valid(id));
+        if (id != t.freed) plane_cover::subtract(counts, cover_.valid(id));
         plane_cover::add(counts, rows);
         orphans = std::move(left);
         result.changes.push_back({id, canonical(found.plane), std::move(rows)});

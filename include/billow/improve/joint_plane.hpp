@@ -96,28 +96,43 @@ namespace detail {
     return largest > 0 ? volume6 / largest : 0;
 }
 
-/// No plane's faces can be narrower: the width of four corners far apart.
-[[nodiscard]] inline double least_width_bound(const face_table& faces,
-                                              std::span<const std::uint32_t> rows) noexcept {
-    if (rows.empty()) return 0;
-    const auto farthest = [&](const auto& distance) {
-        dvec3 best = faces.corner[0].get(rows[0]);
-        double largest = -1;
-        for (const std::uint32_t row : rows) {
-            for (const columns3& corner : faces.corner) {
-                const dvec3 p = corner.get(row);
-                if (const double d = distance(p); d > largest) largest = d, best = p;
-            }
+/// The corner of some faces that `distance` finds farthest. Needs a row.
+template <class Distance>
+[[nodiscard]] dvec3 farthest_corner(const face_table& faces, std::span<const std::uint32_t> rows,
+                                    const Distance& distance) noexcept {
+    dvec3 best = faces.corner[0].get(rows[0]);
+    double largest = -1;
+    for (const std::uint32_t row : rows) {
+        for (const columns3& corner : faces.corner) {
+            const dvec3 p = corner.get(row);
+            if (const double d = distance(p); d > largest) largest = d, best = p;
         }
-        return best;
-    };
-    const dvec3 start = faces.corner[0].get(rows[0]);
+    }
+    return best;
+}
+
+/// Three corners of some faces that are far apart. Needs a row.
+[[nodiscard]] inline std::array<dvec3, 3> wide_triangle(
+    const face_table& faces, std::span<const std::uint32_t> rows) noexcept {
     const auto squared = [](const dvec3& v) { return glm::dot(v, v); };
-    const dvec3 a = farthest([&](const dvec3& p) { return squared(p - start); });
-    const dvec3 b = farthest([&](const dvec3& p) { return squared(p - a); });
-    const dvec3 c = farthest([&](const dvec3& p) { return squared(glm::cross(p - a, b - a)); });
+    const dvec3 start = faces.corner[0].get(rows[0]);
+    const dvec3 a = farthest_corner(faces, rows, [&](auto& p) { return squared(p - start); });
+    const dvec3 b = farthest_corner(faces, rows, [&](auto& p) { return squared(p - a); });
+    const dvec3 c =
+        farthest_corner(faces, rows, [&](auto& p) { return squared(glm::cross(p - a, b - a)); });
+    return {a, b, c};
+}
+
+/// What the width of some faces and a triangle is at least: that of a tetrahedron among them. Needs
+/// a row.
+[[nodiscard]] inline double least_width(const face_table& faces,
+                                        std::span<const std::uint32_t> rows,
+                                        const std::array<dvec3, 3>& triangle) noexcept {
+    const auto& [a, b, c] = triangle;
     const dvec3 across = glm::cross(b - a, c - a);
-    const dvec3 d = farthest([&](const dvec3& p) { return std::abs(glm::dot(p - a, across)); });
+    const double offset = glm::dot(a, across);
+    const dvec3 d = farthest_corner(
+        faces, rows, [&](auto& p) { return std::abs(glm::dot(p, across) - offset); });
     return tetrahedron_width({a, b, c, d});
 }
 

@@ -102,7 +102,7 @@ private:
 
     /// The faces that no plane but these two can take.
     [[nodiscard]] face_rows needed_of(plane_id a, plane_id b) const {
-        const face_rows both = joined(cover_.valid(a), cover_.valid(b));
+        const face_rows both = united(cover_.valid(a), cover_.valid(b));
         face_rows needed;
         std::size_t in_a = 0, in_b = 0;
         const auto holds = [](const face_rows& rows, std::size_t& at, std::uint32_t row) {
@@ -121,6 +121,7 @@ private:
         face_rows essential{};
         face_rows core{};
         dvec3 middle{0};
+        std::array<dvec3, 3> triangle{};
     };
 
     [[nodiscard]] std::vector<plane_faces> faces_of_all() const {
@@ -131,6 +132,7 @@ private:
             for (const std::uint32_t row : of[id].core) {
                 of[id].middle += cover_.faces().centroid(row) / double(of[id].core.size());
             }
+            if (!of[id].core.empty()) of[id].triangle = wide_triangle(cover_.faces(), of[id].core);
         });
         return of;
     }
@@ -142,8 +144,13 @@ private:
                             const Use& use) const {
         threads_.for_chunks(of.size(), 1, [&](std::size_t a, std::size_t) {
             for (std::size_t b = a + 1; b < of.size(); ++b) {
-                const face_rows core = joined(of[a].core, of[b].core);
-                const double bound = least_width_bound(cover_.faces(), core);
+                if (of[a].core.empty() || of[b].core.empty()) continue;
+                double bound = std::max(least_width(cover_.faces(), of[b].core, of[a].triangle),
+                                        least_width(cover_.faces(), of[a].core, of[b].triangle));
+                if (bound > reach * cover_.epsilon()) continue;
+                const face_rows core = united(of[a].core, of[b].core);
+                const auto triangle = wide_triangle(cover_.faces(), core);
+                bound = std::max(bound, least_width(cover_.faces(), core, triangle));
                 if (bound > reach * cover_.epsilon()) continue;
                 use(static_cast<plane_id>(a), static_cast<plane_id>(b), core, bound);
             }
@@ -157,18 +164,18 @@ private:
         const std::vector<plane_pair> shared = cover_.essential_pairs();
         std::vector<std::vector<merge_candidate>> found(of.size());
         for_each_near_pair(of, 2, [&](plane_id a, plane_id b, face_rows core, double) {
-            face_rows rows = joined(of[a].essential, of[b].essential);
+            face_rows rows = united(of[a].essential, of[b].essential);
             const auto key = [](const plane_pair& p) { return std::pair(p.first, p.second); };
             const auto both = std::ranges::lower_bound(shared, std::pair(a, b), {}, key);
             if (both != shared.end() && both->first == a && both->second == b) {
-                rows = joined(rows, both->rows);
-                core = joined(core, extreme_rows(faces, both->rows));
+                rows = united(rows, both->rows);
+                core = united(core, extreme_rows(faces, both->rows));
             }
             const dvec3& n = cover_.planes()[a].normal;
             const dvec3& m = cover_.planes()[b].normal;
-            const std::optional<plane> joint =
-                joint_plane(faces, rows, std::move(core),
-                            joint_normals(n, m, of[b].middle - of[a].middle), cover_.epsilon());
+            const std::optional<plane> joint = joint_plane(
+                faces, rows, std::move(core), joint_normals(n, m, of[b].middle - of[a].middle),
+                cover_.exact_epsilon());
             if (!joint) return;
             const dvec3& merged = joint->normal;
             const auto loss = [&](const face_rows& some, const dvec3& normal) {

@@ -54,6 +54,10 @@ public:
 
     [[nodiscard]] const face_table& faces() const noexcept { return faces_; }
     [[nodiscard]] double epsilon() const noexcept { return epsilon_; }
+    /// The bound for who computes in double: the columns' floats then find the same faces valid.
+    [[nodiscard]] double exact_epsilon() const noexcept {
+        return std::max(epsilon_ - 1e-6 * faces_.bounds.radius, epsilon_ / 2);
+    }
     [[nodiscard]] std::size_t plane_count() const noexcept { return planes_.size(); }
     [[nodiscard]] const std::vector<plane>& planes() const noexcept { return planes_; }
     /// Which of the first planes this one was, however it has moved.
@@ -155,7 +159,7 @@ inline std::vector<plane_pair> plane_cover::essential_pairs() const {
 }
 
 /// All rows of both, ascending. Needs ascending rows.
-[[nodiscard]] inline face_rows joined(const face_rows& a, const face_rows& b) {
+[[nodiscard]] inline face_rows united(const face_rows& a, const face_rows& b) {
     face_rows both;
     both.reserve(a.size() + b.size());
     std::ranges::set_union(a, b, std::back_inserter(both));

@@ -134,7 +134,7 @@ reassign_statistics reassign_faces(plane_cover& cover, std::size_t rounds, const
         std::vector<plane> moved = cover.planes();
         threads.for_chunks(count, 1, [&](std::size_t id, std::size_t) {
             if (!own[id].empty()) {
-                moved[id] = detail::refitted(faces, own[id], moved[id], fit, cover.epsilon());
+                moved[id] = detail::refitted(faces, own[id], moved[id], fit, cover.exact_epsilon());
             }
         });
         std::size_t refits = 0;

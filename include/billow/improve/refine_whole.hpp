@@ -28,7 +28,7 @@ namespace billow::inline BILLOW_ABI {
 
 struct whole_refinement_options {
     bool merge = true;  ///< two planes whose faces fit on one become one, those nobody needs go
-    std::size_t effort = 32;  ///< exchanges to try, a part: more may find fewer planes; 0: none
+    std::size_t effort = 24;  ///< exchanges to try, a part: more may find fewer planes; 0: none
     bool reassign = true;     ///< faces go to the plane they are most tangent to, planes follow
     std::size_t rounds = 8;   ///< of reassigning, at most; 0: faces move, planes do not
     float least_cosine = 0;   ///< between the normals of a face and its plane, as the search's
