@@ -1,7 +1,11 @@
-// Pictures of views compared: all metrics, and the dearest of them.
-#include <billow/metrics/view_errors.hpp>
-
+// Views of a scene by face.
 #include <billow/metrics/render.hpp>
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
 #include <billow/metrics/view_directions.hpp>
 #include <billow/plants/species.hpp>
 
@@ -11,72 +15,42 @@ namespace {
 
 using namespace billow;
 
-/// 512 x 512 pixels of a tree from evenly spread directions, and of the tree turned by half a degree:
-/// details are displaced by a few pixels, as on a cloud's planes.
-struct pairs {
-    std::vector<view_picture> originals{};
-    std::vector<view_picture> clouds{};
-
-    pairs(const mesh& tree, int views) {
-        const render_scene scene(tree);
-        for (const dvec3& direction : spread_directions(views)) {
-            const dvec3 turned = direction + 0.01 * glm::cross(direction, dvec3(0, 1, 0));
-            originals.push_back(render_view(scene, orbit_camera(scene.bounds, direction)));
-            clouds.push_back(render_view(scene, orbit_camera(scene.bounds, turned)));
-        }
-    }
-};
-
-const pairs& pairs_of(std::size_t face_count) {
-    if (face_count == 1'000) {
-        static const pairs leaves(bench::leaves(1'000).mesh, 2);
-        return leaves;
-    }
-    static const pairs tree(*grow(*with_face_count(broadleaf(), 20'000, 1), 1), 42);
-    return tree;
-}
-
-void measure(benchmark::State& state, std::size_t face_count, unsigned threads) {
-    const pairs& views = pairs_of(face_count);
-    const auto count = static_cast<double>(views.originals.size());
-    bench::repeat(state, {"ms_per_pair", 1e3, count}, [&] {
-        benchmark::DoNotOptimize(
-            measure_views(views.originals, views.clouds, {}, {threads}).data());
+void render(benchmark::State& state, const mesh& m, int supersample, unsigned threads) {
+    const render_scene scene(m);
+    const std::array<const render_scene*, 1> scenes{&scene};
+    std::vector<camera> cameras;
+    for (const dvec3& d : spread_directions(6)) cameras.push_back(orbit_camera(scene.bounds, d));
+    std::array<double, 6> covered{};
+    bench::repeat(state, {"ms_per_view", 1e3, static_cast<double>(cameras.size())}, [&] {
+        for_views(scenes, cameras, {.supersample = supersample}, {threads},
+                  [&](std::size_t view, const auto& renders) {
+                      covered[view] = renders[0].counts.covered;
+                  });
     });
-    state.counters["pairs"] = count;
+    state.counters["covered_pixels"] = covered[0];
 }
 
-template <class Metric>
-void measure_one(benchmark::State& state, std::size_t face_count, const Metric& metric) {
-    const pairs& views = pairs_of(face_count);
-    bench::repeat(state, {"ms_per_pair", 1e3, 1},
-                  [&] { benchmark::DoNotOptimize(metric(views.originals[0], views.clouds[0])); });
+/// A tree with leaves cut out of cards.
+const mesh& tree(std::size_t faces) {
+    static std::map<std::size_t, mesh> grown;
+    const auto found = grown.find(faces);
+    if (found != grown.end()) return found->second;
+    return grown.emplace(faces, *tree_of_about(faces)).first->second;
 }
 
 const bool rows = [] {
-    for (const std::size_t size : {1'000u, 20'000u}) {
-        const std::string input = size == 1'000 ? "leaf_soup" : "broadleaf";
-        for (const unsigned threads : {1u, 2u}) {
-            bench::add_row("metrics.measure_views/" + input, size, bench::isa, threads,
-                           [=](benchmark::State& state) { measure(state, size, threads); });
+    for (const int s : {2, 4}) {
+        const std::string samples = s == 2 ? "_2x2" : "_4x4";
+        for (const std::size_t size : {1'000u, 113'016u}) {
+            bench::add_row(
+                "metrics.render/leaf_soup" + samples, size, bench::isa, 1,
+                [=](benchmark::State& state) { render(state, bench::leaves(size).mesh, s, 1); });
         }
-        bench::add_row("metrics.flip/" + input, size, bench::isa, 1, [=](benchmark::State& state) {
-            measure_one(state, size, [](const view_picture& a, const view_picture& b) {
-                return flip_error(a, b).mean;
-            });
-        });
-        bench::add_row(
-            "metrics.color_error/" + input, size, bench::isa, 1, [=](benchmark::State& state) {
-                measure_one(state, size, [](const view_picture& a, const view_picture& b) {
-                    return color_error(a, b).local;
-                });
-            });
-        bench::add_row(
-            "metrics.gap_error/" + input, size, bench::isa, 1, [=](benchmark::State& state) {
-                measure_one(state, size, [](const view_picture& a, const view_picture& b) {
-                    return gap_error(a, b).hole_share;
-                });
-            });
+        for (const unsigned threads : {1u, 2u}) {
+            bench::add_row(
+                "metrics.render/broadleaf" + samples, 113'016, bench::isa, threads,
+                [=](benchmark::State& state) { render(state, tree(113'016), s, threads); });
+        }
     }
     return true;
 }();

@@ -2,6 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <billow/metrics/render.hpp>
+#include <billow/metrics/view_directions.hpp>
+#include <billow/pipeline.hpp>
+#include <billow/shapes/teapot.hpp>
+
 #include "support/pictures.hpp"
 
 using namespace billow;
@@ -97,5 +102,27 @@ TEST_SUITE("metrics/gap") {
             }
             CHECK(hole_share(a, b, {.depth_px = 1}) == doctest::Approx(holes / all));
         }
+    }
+    TEST_CASE("welding closes gaps of a teapot, as the thesis's table 5.3 has it") {
+        const mesh pot = teapot(4);
+        const render_scene original(pot);
+        const auto intensity_of = [&](weld_kind kind) {
+            build_options options{.epsilon = tolerance::of_radius(0.06), .weld = {.kind = kind}};
+            options.bake.texels = 128;
+            const auto built = build_cloud(pot, options);
+            REQUIRE(built);
+            const mesh drawn = built->to_mesh();
+            const render_scene cloud(drawn);
+            double sum = 0;
+            for (const dvec3& direction : spread_directions(6)) {
+                const camera from = orbit_camera(original.bounds, direction, 4, 128);
+                sum += gap_intensity(render_view(original, from), render_view(cloud, from));
+            }
+            return sum / 6;
+        };
+        const double torn = intensity_of(weld_kind::none);
+        MESSAGE(torn, " ", intensity_of(weld_kind::intersection));
+        CHECK(torn > 0.2);
+        CHECK(intensity_of(weld_kind::intersection) < 0.6 * torn);
     }
 }

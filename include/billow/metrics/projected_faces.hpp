@@ -148,7 +148,8 @@ private:
                     cut(scene, face);
                     continue;
                 }
-                add({face,
+                add(scene,
+                    {face,
                      {kept[0][lane], kept[1][lane], kept[2][lane]},
                      {kept[3][lane], kept[4][lane], kept[5][lane]},
                      kept[7][lane]},
@@ -158,14 +159,23 @@ private:
     }
 
     /// Adds a face that may cover the samples of `window`, the last ones included.
-    void add(projected_face face, const sample_window& window) {
+    void add(const render_scene& scene, projected_face face, const sample_window& window) {
         if (window.x_begin > window.x_end || window.y_begin > window.y_end) return;
+        if (scene.is_culled && is_back(face) &&
+            !scene.look.material_of(face.face).is_double_sided) {
+            return;
+        }
         const int side = tile_px_ * view_.supersample;
         const auto tile_of = [&](int sample) { return static_cast<std::uint16_t>(sample / side); };
         face.tiles = {tile_of(window.x_begin), tile_of(window.x_end), tile_of(window.y_begin),
                       tile_of(window.y_end)};
         for_tiles(face, [&](std::size_t tile) { ++begin_[tile + 1]; });
         faces_.push_back(face);
+    }
+
+    /// Samples run down: what is counter-clockwise to the viewer has a negative area.
+    [[nodiscard]] static bool is_back(const projected_face& f) noexcept {
+        return (f.x[1] - f.x[0]) * (f.y[2] - f.y[0]) > (f.x[2] - f.x[0]) * (f.y[1] - f.y[0]);
     }
 
     template <class Visit>
@@ -221,7 +231,7 @@ private:
             sample_window window;
             range(piece.x, view_.columns, window.x_begin, window.x_end);
             range(piece.y, view_.rows, window.y_begin, window.y_end);
-            add(piece, window);
+            add(scene, piece, window);
         }
     }
 

@@ -221,8 +221,9 @@ private:
     std::vector<detail::tile_worker> workers_{};
 };
 
-/// Draws one view. All faces are seen from both sides, alpha is tested, or dithered over the samples
-/// where a material blends; the light is one at the viewer and one from the sky.
+/// Draws one view. Faces are seen from both sides, unless the scene culls their backs; alpha is
+/// tested, or dithered over the samples where a material blends; the light is one at the viewer and
+/// one from the sky.
 ///
 /// Needs  options.supersample within 1 to 8.
 /// Gives  what camera sees before nothing: all 0 where nothing is. Light is cut off at 1.

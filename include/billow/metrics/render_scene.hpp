@@ -18,8 +18,9 @@ namespace billow::inline BILLOW_ABI {
 /// Unit   scene units, relative to bounds.centre.
 /// Needs  indices within bounds, finite positions; the mesh outlives it.
 struct render_scene {
-    explicit render_scene(const mesh& source)
-        : bounds(bounding_sphere_of(
+    explicit render_scene(const mesh& source, bool culls_backs = false)
+        : is_culled(culls_backs),
+          bounds(bounding_sphere_of(
               source.face_count() * 3,
               [&](std::size_t i) {
                   return source.positions[source.triangles[i / 3][static_cast<int>(i % 3)]];
@@ -36,6 +37,7 @@ struct render_scene {
 
     [[nodiscard]] std::size_t face_count() const noexcept { return look.source().face_count(); }
 
+    bool is_culled;  ///< backs of faces whose material is not double-sided are not drawn
     bounding_sphere bounds;
     std::array<columns3, 3> corner{};
     surface look;
