@@ -20,8 +20,8 @@ struct row_value {
     V first;
     V across;
 
-    row_value(const affine_value& of, int x, int y) noexcept
-        : first(simd::lanes<V>::fill(static_cast<float>(of.at(x, y)))),
+    row_value(const affine_value& of, const dvec2& at) noexcept
+        : first(simd::lanes<V>::fill(static_cast<float>(of.at(at.x, at.y)))),
           across(simd::lanes<V>::fill(static_cast<float>(of.dx))) {}
     [[nodiscard]] V at(V step) const noexcept { return first + across * step; }
 };
@@ -137,8 +137,8 @@ public:
         }
     };
     template <class V, bool IsNearest>
-    [[nodiscard]] row<V, IsNearest> from(int x, int y) const noexcept {
-        return {&cover_, {u_, x, y}, {v_, x, y}, {vertex_, x, y}};
+    [[nodiscard]] row<V, IsNearest> from(const dvec2& at) const noexcept {
+        return {&cover_, {u_, at}, {v_, at}, {vertex_, at}};
     }
 
 private:

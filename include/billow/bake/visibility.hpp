@@ -137,8 +137,8 @@ public:
         if (depth.is_outside()) return;
         const face_cover cover = look.cover_of(face, triangle.area());
         if (cover.decides == face_cover::rule::always) {
-            triangle.for_each_row(window_, [&](int y, int begin, int end) {
-                draw_row<V>(y, begin, end, face, depth,
+            for_each_span(triangle, face, [&](int y, int begin, int end, const dvec2& at) {
+                draw_row<V>(y, begin, end, face, depth, at,
                             [](int, V, simd::mask_lanes<V> wanted) { return wanted; });
             });
             return;
@@ -180,30 +180,41 @@ private:
         }
     };
 
+    /// Calls `visit(y, begin, end, at)` for the samples of a face: those that it takes by the rule,
+    /// whose first lies at `at`, and those that a sliver owes, one by one.
+    template <class Visit>
+    void for_each_span(const raster_triangle& triangle, face_id face, const Visit& visit) noexcept {
+        triangle.for_each_row(
+            window_, [&](int y, int begin, int end) { visit(y, begin, end, dvec2(begin, y)); });
+        if (!triangle.is_sliver()) return;
+        triangle.for_each_missing(window_, random_unit(0, face),
+                                  [&](int y, int x, const dvec2& at) { visit(y, x, x + 1, at); });
+    }
+
     template <class V, bool IsNearest>
     void draw_alpha(const raster_triangle& triangle, const face_cover& cover, face_id face,
                     const fragment_depth& depth) noexcept {
         const detail::face_alpha alpha(cover, triangle);
         if (cover.decides == face_cover::rule::cutoff) {
             const V cutoff = simd::lanes<V>::fill(cover.cutoff);
-            triangle.for_each_row(window_, [&](int y, int begin, int end) {
-                const auto row = alpha.from<V, IsNearest>(begin, y);
+            for_each_span(triangle, face, [&](int y, int begin, int end, const dvec2& at) {
+                const auto row = alpha.from<V, IsNearest>(at);
                 const auto passes = [&](int, V step, simd::mask_lanes<V> wanted) {
                     return simd::mask_lanes<V>(wanted & (row.at(step, wanted) >= cutoff));
                 };
-                draw_row<V>(y, begin, end, face, depth, passes);
+                draw_row<V>(y, begin, end, face, depth, at, passes);
             });
             return;
         }
         const auto shift = static_cast<std::uint32_t>(mix_bits(face));
-        triangle.for_each_row(window_, [&](int y, int begin, int end) {
-            const auto row = alpha.from<V, IsNearest>(begin, y);
+        for_each_span(triangle, face, [&](int y, int begin, int end, const dvec2& at) {
+            const auto row = alpha.from<V, IsNearest>(at);
             const float* thresholds = dither_.row(y, shift);
             const auto passes = [&](int x, V step, simd::mask_lanes<V> wanted) {
                 const V threshold = simd::lanes<V>::load(thresholds + dither_.column(x));
                 return simd::mask_lanes<V>(wanted & (row.at(step, wanted) >= threshold));
             };
-            draw_row<V>(y, begin, end, face, depth, passes);
+            draw_row<V>(y, begin, end, face, depth, at, passes);
         });
     }
 
@@ -211,18 +222,18 @@ private:
         return static_cast<std::size_t>(y - window_.y_begin) * width_;
     }
 
-    /// Draws samples begin to end of row y where `is_there(step, wanted)` says so: it is given some
+    /// Draws samples begin to end of row y, of which the first shows the point `at`, where `is_there(step, wanted)` says so: it is given some
     /// samples, counted from `begin`, and which of them would be seen.
     template <class V, class IsThere>
     void draw_row(int y, int begin, int end, face_id face, const fragment_depth& depth,
-                  const IsThere& is_there) noexcept {
+                  const dvec2& at, const IsThere& is_there) noexcept {
         using lanes = simd::lanes<V>;
         using mask = simd::mask_lanes<V>;
         const std::size_t offset =
             row_offset(y) + static_cast<std::size_t>(begin - window_.x_begin);
         float* depths = depths_.data() + offset;
         face_id* faces = faces_.data() + offset;
-        const detail::row_value<V> height(depth.plane, begin, y);
+        const detail::row_value<V> height(depth.plane, at);
         const V low = lanes::fill(depth.low);
         const V high = lanes::fill(depth.high);
         const V count = lanes::fill(static_cast<float>(end - begin));
@@ -298,14 +309,13 @@ public:
         for (entry& e : entries_) e.look.face = no_id;
     }
 
-    /// The look at the point of a face nearest to `point` (in samples, roughly where outside), with its normal turned to the viewer.
+    /// The look at the point of a face nearest to `point` (in samples), with its normal turned to the
+    /// viewer.
     [[nodiscard]] surface_sample at(face_id face, const dvec2& point) noexcept {
         entry& e = entries_[face % entries_.size()];
         if (e.look.face != face) e = entry_of(face);
-        const dvec2 offset = point - e.corner;
-        const double b = std::clamp(glm::dot(e.to_b, offset), 0.0, 1.0);
-        const double c = std::clamp(glm::dot(e.to_c, offset), 0.0, 1.0 - b);
-        surface_sample sample = look_->at(e.look, vec3(1 - b - c, b, c));
+        const dvec2 w = e.weights_near(point - e.corner);
+        surface_sample sample = look_->at(e.look, vec3(1 - w.x - w.y, w.x, w.y));
         sample.normal = normal_toward(sample, e.look, vec3(view_.axes.normal));
         return sample;
     }
@@ -314,20 +324,45 @@ private:
     struct entry {
         face_look look{};
         dvec2 corner{0};
+        dvec2 u{0};     ///< from the first corner to the second
+        dvec2 v{0};     ///< and to the third
         dvec2 to_b{0};  ///< barycentric weight of the second corner = dot(to_b, point - corner)
         dvec2 to_c{0};
+
+        /// Weights of the second and third corner at the point nearest to corner + offset.
+        [[nodiscard]] dvec2 weights_near(const dvec2& offset) const noexcept {
+            const dvec2 weights(glm::dot(to_b, offset), glm::dot(to_c, offset));
+            if (weights.x >= 0 && weights.y >= 0 && weights.x + weights.y <= 1) return weights;
+            dvec2 nearest{0};
+            double least = std::numeric_limits<double>::infinity();
+            const auto consider = [&](const dvec2& from, const dvec2& to) {
+                const dvec2 start = u * from.x + v * from.y;
+                const dvec2 along = u * to.x + v * to.y - start;
+                const double length_sq = glm::dot(along, along);
+                if (!(length_sq > 0)) return;
+                const double t = std::clamp(glm::dot(offset - start, along) / length_sq, 0.0, 1.0);
+                const dvec2 aside = offset - start - along * t;
+                if (glm::dot(aside, aside) >= least) return;
+                least = glm::dot(aside, aside);
+                nearest = from + (to - from) * t;
+            };
+            consider({0, 0}, {1, 0});
+            consider({0, 0}, {0, 1});
+            consider({1, 0}, {0, 1});
+            return nearest;
+        }
     };
 
     [[nodiscard]] entry entry_of(face_id face) const noexcept {
         const std::array<dvec3, 3> p = view_.project(look_->source().corners(face));
         entry e;
         e.corner = dvec2(p[0]);
-        const dvec2 u = dvec2(p[1]) - e.corner;
-        const dvec2 v = dvec2(p[2]) - e.corner;
-        const double det = u.x * v.y - u.y * v.x;
+        e.u = dvec2(p[1]) - e.corner;
+        e.v = dvec2(p[2]) - e.corner;
+        const double det = e.u.x * e.v.y - e.u.y * e.v.x;
         if (det != 0) {
-            e.to_b = dvec2(v.y, -v.x) / det;
-            e.to_c = dvec2(-u.y, u.x) / det;
+            e.to_b = dvec2(e.v.y, -e.v.x) / det;
+            e.to_c = dvec2(-e.u.y, e.u.x) / det;
         }
         e.look = look_->look_at(face, 0.5 * std::abs(det) / (supersample_ * supersample_));
         return e;
