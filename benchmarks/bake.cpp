@@ -1,9 +1,13 @@
 // Textures by texel, packing by tile.
 #include <billow/bake/bake_cloud.hpp>
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
+#include <billow/bake/draw_set.hpp>
 #include <billow/bake/mips.hpp>
+#include <billow/bake/visibility.hpp>
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/core/random.hpp>
 #include <billow/improve/cardboard.hpp>
@@ -70,6 +74,69 @@ void pack(benchmark::State& state, std::size_t size) {
     state.counters["atlases"] = static_cast<double>(atlases);
 }
 
+/// A view of a whole scene along z, in samples.
+struct bench_view {
+    static constexpr int side = 1024;
+
+    explicit bench_view(const bench::scene& of)
+        : view{{},
+               of.faces.bounds.centre + dvec3(-1, 1, 0) * of.faces.bounds.radius,
+               2 * of.faces.bounds.radius / side} {
+        const draw_target target{view, side, side, side};
+        for (std::size_t row = 0; row < of.faces.size; ++row) {
+            std::array<dvec3, 3> corners;
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[k] = of.faces.corner[k].get(row) + of.faces.bounds.centre;
+            }
+            if (const auto drawn = clipped_to(target, of.faces.source[row], corners)) {
+                faces.push_back(*drawn);
+            }
+        }
+        std::sort(faces.begin(), faces.end());
+    }
+
+    template <class V>
+    void draw(visibility_buffer& buffer, const surface& look) const {
+        buffer.start({0, 0, side, side});
+        for (const drawn_face& f : faces) buffer.draw<V>(look, view, f.face, {});
+    }
+
+    orthographic_view view;
+    std::vector<drawn_face> faces{};
+};
+
+template <class V>
+void rasterise(benchmark::State& state, const bench::scene& scene) {
+    const bench_view from(scene);
+    const surface look(scene.mesh);
+    visibility_buffer buffer(4);
+    bench::repeat(state, bench::ns_per_face(scene.mesh.face_count()),
+                  [&] { from.draw<V>(buffer, look); });
+}
+
+void resolve(benchmark::State& state, const bench::scene& scene) {
+    const bench_view from(scene);
+    const surface look(scene.mesh);
+    visibility_buffer buffer(4);
+    from.draw<simd::wide>(buffer, look);
+    constexpr int texels = bench_view::side / 4;
+    view_shader shader(look, 4);
+    float sum = 0;
+    bench::repeat(state, {"ns_per_texel", 1e9, 1.0 * texels * texels}, [&] {
+        shader.start(from.view);
+        std::array<texel_part, max_supersample * max_supersample> parts;
+        for (int y = 0; y < texels; ++y) {
+            for (int x = 0; x < texels; ++x) {
+                const std::size_t count = parts_of_texel(buffer, x, y, 4, parts);
+                for (std::size_t i = 0; i < count; ++i) {
+                    sum += shader.at(parts[i].face, parts[i].centre).base_color.x;
+                }
+            }
+        }
+    });
+    benchmark::DoNotOptimize(sum);
+}
+
 const bool rows = [] {
     for (const unsigned threads : {1u, 2u}) {
         bench::add_row(
@@ -94,6 +161,16 @@ const bool rows = [] {
         }
         bench::add_row("improve.cardboard/leaf_soup", size, "scalar", 1,
                        [=](benchmark::State& state) { cardboard(state, bench::leaves(size)); });
+    }
+    for (const std::size_t size : {1'000u, 113'016u}) {
+        bench::add_row("bake.rasterise/leaf_soup", size, "scalar", 1, [=](benchmark::State& state) {
+            rasterise<float>(state, bench::leaves(size));
+        });
+        bench::add_row(
+            "bake.rasterise/leaf_soup", size, bench::isa, 1,
+            [=](benchmark::State& state) { rasterise<simd::wide>(state, bench::leaves(size)); });
+        bench::add_row("bake.resolve/leaf_soup", size, "scalar", 1,
+                       [=](benchmark::State& state) { resolve(state, bench::leaves(size)); });
     }
     for (const std::size_t size : {100u, 1'000u}) {
         bench::add_row("bake.pack/random", size, "scalar", 1,

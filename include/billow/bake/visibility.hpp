@@ -55,7 +55,8 @@ public:
         const std::uint32_t count = side_ * side_;
         std::vector<std::uint32_t> ranks(count, 0);
         for (std::uint32_t i = 0; i < count; ++i) {
-            for (std::uint32_t k = 0; k < count; ++k) ranks[i] += bayer_of(k) < bayer_of(i) ? 1 : 0;
+            for (std::uint32_t k = 0; k < count; ++k)
+                ranks[i] += bayer_of(k) < bayer_of(i) ? 1u : 0u;
         }
         for (std::uint32_t shift = 0; shift < count; ++shift) {
             for (std::uint32_t y = 0; y < side_; ++y) {
@@ -246,8 +247,8 @@ private:
             mask is_seen = (value >= drawn) & (step < count);
             if (!simd::any(is_seen)) continue;
             if (depth.is_clipped) {
-                is_seen &= (value >= lanes::fill(depth.kept_low)) &
-                           (value <= lanes::fill(depth.kept_high));
+                is_seen &= value >= lanes::fill(depth.kept_low);
+                is_seen &= value <= lanes::fill(depth.kept_high);
             }
             is_seen = is_there(begin + i, step, is_seen);
             if (!simd::any(is_seen)) continue;
