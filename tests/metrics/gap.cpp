@@ -121,7 +121,6 @@ TEST_SUITE("metrics/gap") {
             return sum / 6;
         };
         const double torn = intensity_of(weld_kind::none);
-        MESSAGE(torn, " ", intensity_of(weld_kind::intersection));
         CHECK(torn > 0.2);
         CHECK(intensity_of(weld_kind::intersection) < 0.6 * torn);
     }

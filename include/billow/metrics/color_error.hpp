@@ -1,6 +1,7 @@
 // How far a cloud's colours are from its original's, as the eye counts it.
 //
-// Luksch, "An improved billboard cloud generation algorithm", 2009, section 3.4, Color Error.
+// C. Luksch, "Implementation of an improved billboard cloud algorithm", TU Wien 2009, section
+// 3.4, Color Error.
 #pragma once
 
 #include <algorithm>

@@ -1,6 +1,7 @@
 // How much of its original a cloud covers, and what else.
 //
-// Luksch, "An improved billboard cloud generation algorithm", 2009, section 3.4, Coverage Error.
+// C. Luksch, "Implementation of an improved billboard cloud algorithm", TU Wien 2009, section
+// 3.4, Coverage Error.
 #pragma once
 
 #include <algorithm>

@@ -1,7 +1,8 @@
 // Cracks and holes of a cloud: how much longer its borders are than its original's, and how much of
 // the original they let through.
 //
-// Luksch, "An improved billboard cloud generation algorithm", 2009, section 3.4, Gap Intensity.
+// C. Luksch, "Implementation of an improved billboard cloud algorithm", TU Wien 2009, section
+// 3.4, Gap Intensity.
 #pragma once
 
 #include <cstddef>

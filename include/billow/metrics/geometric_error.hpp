@@ -1,6 +1,7 @@
 // How far a cloud moves the vertices of its mesh, in units of the scene, of the object and of a screen.
 //
-// Luksch, "An improved billboard cloud generation algorithm", 2009, section 3.4, Geometric Error.
+// C. Luksch, "Implementation of an improved billboard cloud algorithm", TU Wien 2009, section
+// 3.4, Geometric Error.
 #pragma once
 
 #include <cstddef>

@@ -1,7 +1,7 @@
 // All that two pictures of a view tell about a cloud, and what many views tell together.
 //
-// Luksch, "An improved billboard cloud generation algorithm", 2009, section 5.1: the metrics for
-// evenly spread views, their mean and their maximum.
+// C. Luksch, "Implementation of an improved billboard cloud algorithm", TU Wien 2009, section
+// 5.1: the metrics for evenly spread views, their mean and their maximum.
 #pragma once
 
 #include <array>
