@@ -89,7 +89,9 @@ public:
               [&](std::size_t i) {
                   return original.positions[original.triangles[i / 3][static_cast<int>(i % 3)]];
               })),
-          slack_(1e-5 * std::max(bounds_.radius, 1e-30)) {}
+          slack_(1e-5 * bounds_.radius +
+                 1e-6 * (std::abs(bounds_.centre.x) + std::abs(bounds_.centre.y) +
+                         std::abs(bounds_.centre.z))) {}
 
     [[nodiscard]] nearest_planes run(parallel threads) {
         find_planes();
