@@ -18,6 +18,7 @@
 #include <billow/lod/switch_distance.hpp>
 
 #include "cloud_options.hpp"
+#include "manifest.hpp"
 #include "progress_line.hpp"
 #include "shared.hpp"
 
@@ -54,55 +55,11 @@ struct lod_arguments {
     }
 };
 
-/// A file that is to be written.
-struct output_file {
-    std::filesystem::path name;
-    std::vector<std::uint8_t> bytes;
-};
-
-/// Writes all files or none: beside their places first, renamed when all are complete.
-expected<done> write_together(const std::vector<output_file>& files) {
-    std::vector<std::filesystem::path> aside;
-    const auto give_up = [&](const error& why) {
-        std::error_code ignored;
-        for (const auto& name : aside) std::filesystem::remove(name, ignored);
-        return why;
-    };
-    for (const output_file& file : files) {
-        aside.push_back(billow::detail::name_aside(file.name));
-        if (const auto written = write_file(aside.back(), file.bytes); !written) {
-            return give_up(written.error());
-        }
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        std::error_code why;
-        std::filesystem::rename(aside[i], files[i].name, why);
-        if (why) {
-            return give_up(billow::detail::file_error(error_code::unwritable, files[i].name,
-                                                      "cannot be replaced: " + why.message()));
-        }
-    }
-    return done{};
-}
-
-json sphere_json(const bounding_sphere& sphere) {
-    json out;
-    out["centre"] = {sphere.centre.x, sphere.centre.y, sphere.centre.z};
-    out["radius"] = sphere.radius;
-    return out;
-}
-
 json displacement_json(const displacement& moved) {
     json out;
     out["max"] = moved.max;
     out["mean"] = moved.mean;
     return out;
-}
-
-std::size_t texture_bytes(const mesh& cloud) {
-    std::size_t bytes = 0;
-    for (const image& picture : cloud.images) bytes += picture.bytes.size();
-    return bytes;
 }
 
 /// When a level may be drawn, by one of its errors.

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     cli::add_build(tool, result);
     cli::add_inspect(tool, result);
     cli::add_lod(tool, result);
+    cli::add_atlas(tool, result);
     try {
         tool.parse(argc, argv);
     } catch (const CLI::ParseError& fault) {

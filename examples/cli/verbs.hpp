@@ -16,5 +16,6 @@ enum exit_code : int {
 void add_build(CLI::App& tool, exit_code& result);
 void add_inspect(CLI::App& tool, exit_code& result);
 void add_lod(CLI::App& tool, exit_code& result);
+void add_atlas(CLI::App& tool, exit_code& result);
 
 }  // namespace cli

@@ -88,6 +88,24 @@ void check_equal(const texture& a, const texture& b) {
 }  // namespace
 
 TEST_SUITE("io/glb") {
+    TEST_CASE("nodes divide the faces, and share materials and images") {
+        const mesh m = rich();
+        auto bytes =
+            encode_glb(m, {.nodes = {{"a", {0}}, {"b", {1, 2}}, {"none", {}}, {"c", {3}}}});
+        REQUIRE(bytes);
+        const json root = json_of(*bytes);
+        REQUIRE(root["nodes"].size() == 3);
+        CHECK(root["nodes"][2]["name"] == "c");
+        CHECK(root["scenes"][0]["nodes"] == json::array({0, 1, 2}));
+        CHECK(root["meshes"].size() == 3);
+        CHECK(root["meshes"][1]["primitives"].size() == 2);
+        CHECK(root["materials"].size() == 2);
+        CHECK(root["images"].size() == json_of(*encode_glb(m))["images"].size());
+        auto read = detail::read_gltf_bytes("nodes.glb", std::move(*bytes), {});
+        REQUIRE(read);
+        CHECK(read->mesh.face_count() == 4);
+        CHECK(read->mesh.materials.size() == 2);
+    }
     TEST_CASE("a mesh that was written is read back with all it had") {
         const mesh m = rich();
         const loaded_mesh read = again(m);

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -24,10 +25,17 @@
 
 namespace billow::inline BILLOW_ABI {
 
+/// A node of its own for some faces of a mesh.
+struct glb_node {
+    std::string name{};
+    std::vector<face_id> faces{};
+};
+
 struct glb_options {
-    std::string name{};    ///< of mesh and node; empty: none
-    std::string extras{};  ///< JSON text that asset.extras will hold; empty: none
-    parallel threads{};    ///< images are encoded in parallel
+    std::string name{};             ///< of mesh and node; empty: none
+    std::vector<glb_node> nodes{};  ///< none: one node for all faces, called `name`
+    std::string extras{};           ///< JSON text that asset.extras will hold; empty: none
+    parallel threads{};             ///< images are encoded in parallel
 };
 
 namespace detail {
@@ -47,20 +55,23 @@ public:
             root_["asset"]["extras"] = json::parse(options_.extras, nullptr, false);
         }
         root_["scene"] = 0;
-        write_primitives();
-        if (primitives_.empty()) {
+        write_nodes();
+        if (meshes_.empty()) {
             root_["scenes"] = json::array({json::object()});
         } else {
             write_images();
-            json named = json::object();
-            if (!options_.name.empty()) named["name"] = options_.name;
-            root_["scenes"] = json::array({{{"nodes", {0}}}});
-            json node = named;
-            node["mesh"] = 0;
-            root_["nodes"] = json::array({std::move(node)});
-            json mesh = std::move(named);
-            mesh["primitives"] = std::move(primitives_);
-            root_["meshes"] = json::array({std::move(mesh)});
+            json ids = json::array();
+            json nodes = json::array();
+            for (std::size_t i = 0; i < meshes_.size(); ++i) {
+                json node = json::object();
+                if (meshes_[i].contains("name")) node["name"] = meshes_[i]["name"];
+                node["mesh"] = i;
+                ids.push_back(i);
+                nodes.push_back(std::move(node));
+            }
+            root_["scenes"] = json::array({{{"nodes", std::move(ids)}}});
+            root_["nodes"] = std::move(nodes);
+            root_["meshes"] = std::move(meshes_);
             for (auto* part :
                  {&materials_, &textures_, &samplers_, &images_, &accessors_, &views_}) {
                 if (!part->second.empty()) root_[part->first] = std::move(part->second);
@@ -101,9 +112,29 @@ private:
 
     // ---- faces
 
-    void write_primitives() {
+    void write_nodes() {
+        if (!options_.nodes.empty()) {
+            for (const glb_node& node : options_.nodes) write_mesh(node.name, node.faces);
+            return;
+        }
+        std::vector<face_id> all(mesh_.face_count());
+        std::iota(all.begin(), all.end(), face_id{0});
+        write_mesh(options_.name, all);
+    }
+
+    /// A mesh of these faces, and its node; nothing where there are none.
+    void write_mesh(const std::string& name, const std::vector<face_id>& faces) {
+        if (faces.empty()) return;
+        json mesh = json::object();
+        if (!name.empty()) mesh["name"] = name;
+        mesh["primitives"] = write_primitives(faces);
+        meshes_.push_back(std::move(mesh));
+    }
+
+    [[nodiscard]] json write_primitives(const std::vector<face_id>& mesh_faces) {
+        json primitives = json::array();
         std::map<material_id, std::vector<face_id>> faces_of;
-        for (face_id face = 0; face < mesh_.face_count(); ++face) {
+        for (const face_id face : mesh_faces) {
             const material_id id = mesh_.face_materials.empty() ? 0 : mesh_.face_materials[face];
             faces_of[id < mesh_.materials.size() ? id : no_id].push_back(face);
         }
@@ -123,10 +154,11 @@ private:
                 }
             }
             for (const std::uint32_t v : vertices) new_ids[v] = no_id;
-            primitives_.push_back({{"attributes", write_vertices(vertices)},
-                                   {"indices", write_indices(indices, vertices.size())},
-                                   {"material", write_material(material)}});
+            primitives.push_back({{"attributes", write_vertices(vertices)},
+                                  {"indices", write_indices(indices, vertices.size())},
+                                  {"material", material_row(material)}});
         }
+        return primitives;
     }
 
     std::size_t write_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count) {
@@ -174,6 +206,13 @@ private:
     }
 
     // ---- materials
+
+    /// Each material is written once, when it is met first.
+    std::size_t material_row(material_id id) {
+        const auto [known, is_new] = material_rows_.try_emplace(id, 0);
+        if (is_new) known->second = write_material(id);
+        return known->second;
+    }
 
     std::size_t write_material(material_id id) {
         static const material plain{.metallic = 0};
@@ -306,7 +345,8 @@ private:
     const mesh& mesh_;
     const glb_options& options_;
     json root_ = json::object();
-    json primitives_ = json::array();
+    json meshes_ = json::array();
+    std::map<material_id, std::size_t> material_rows_{};
     section accessors_{"accessors", json::array()};
     section views_{"bufferViews", json::array()};
     section materials_{"materials", json::array()};
@@ -321,8 +361,8 @@ private:
 
 }  // namespace detail
 
-/// The bytes of a .glb that holds the mesh: one node, one primitive a material in use, images as
-/// PNG. Same mesh, same bytes, for any number of threads.
+/// The bytes of a .glb that holds the mesh: one node, or those that are asked for; in each one
+/// primitive a material in use; images as PNG. Same mesh, same bytes, for any number of threads.
 ///
 /// Shape   faces in their order within a material; `feature_ids` as _FEATURE_ID_0.
 /// Fails   invalid_options: extras that are not JSON; too_large: beyond the 4 GiB of a GLB; and as

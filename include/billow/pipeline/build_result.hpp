@@ -46,6 +46,7 @@ struct build_options {
     weld_options weld{};     ///< after the search; weld_online of a pipeline needs none here
     cardboard_options cardboard{.min_coverage = 0};  ///< none; its part is not read
     bake_options bake{};
+    bool packs_tiles = true;  ///< else build_result::drawn is left for share_atlas
     parallel threads{};
 };
 
@@ -83,6 +84,7 @@ struct part_result {
 struct build_result {
     billboard_cloud cloud{};
     baked_cloud baked{};
+    drawn_tiles drawn{};  ///< the tiles, where they were not packed
     mesh kept{};  ///< the faces of no part, as they are in the source
     face_counts faces{};
     greedy_statistics statistics{};    ///< sums over the parts; shares are of their common area
@@ -97,6 +99,8 @@ struct build_result {
 
     /// The cloud as a mesh that lies over the original, ready for write_glb. What was kept comes
     /// behind it, with its own materials and the feature id after that of the last plane.
+    ///
+    /// Needs  tiles that were packed.
     [[nodiscard]] mesh to_mesh() const {
         mesh result = cloud_mesh(cloud, baked);
         if (kept.face_count() > 0) {

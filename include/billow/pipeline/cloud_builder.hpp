@@ -224,7 +224,13 @@ private:
         if (result_.faces.kept > 0) result_.errors.dropped_area_share = dropped_area_share();
         bake_options how = options_.bake;
         how.part_thresholds = thresholds_;
-        result_.baked = bake_cloud(drawn, table, result_.cloud, how, options_.threads, progress_);
+        if (options_.packs_tiles) {
+            result_.baked =
+                bake_cloud(drawn, table, result_.cloud, how, options_.threads, progress_);
+        } else {
+            result_.drawn =
+                draw_tiles(drawn, table, result_.cloud, how, options_.threads, progress_);
+        }
     }
 
     /// Without what is kept, which has no plane either.
