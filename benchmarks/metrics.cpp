@@ -40,7 +40,7 @@ const mesh& tree(std::size_t faces) {
 
 const bool rows = [] {
     for (const int s : {2, 4}) {
-        const std::string samples = s == 2 ? "_2x2" : "_4x4";
+        const char* samples = s == 2 ? "_2x2" : "_4x4";
         for (const std::size_t size : {1'000u, 113'016u}) {
             bench::add_row(
                 "metrics.render/leaf_soup" + samples, size, bench::isa, 1,

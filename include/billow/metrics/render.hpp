@@ -226,7 +226,7 @@ private:
 /// one from the sky.
 ///
 /// Needs  options.supersample within 1 to 8.
-/// Gives  what camera sees before nothing: all 0 where nothing is. Light is cut off at 1.
+/// Gives  pixels of 0 where nothing is. The light of each face in a pixel is cut off at 1.
 /// Cost   O(faces + samples × faces that overlap); parallel over tiles of the picture.
 [[nodiscard]] inline view_picture render_view(const render_scene& scene, const camera& from,
                                               const render_options& options = {},
