@@ -43,12 +43,12 @@ const bool rows = [] {
         const char* samples = s == 2 ? "_2x2" : "_4x4";
         for (const std::size_t size : {1'000u, 113'016u}) {
             bench::add_row(
-                "metrics.render/leaf_soup" + samples, size, bench::isa, 1,
+                std::string("metrics.render/leaf_soup") + samples, size, bench::isa, 1,
                 [=](benchmark::State& state) { render(state, bench::leaves(size).mesh, s, 1); });
         }
         for (const unsigned threads : {1u, 2u}) {
             bench::add_row(
-                "metrics.render/broadleaf" + samples, 113'016, bench::isa, threads,
+                std::string("metrics.render/broadleaf") + samples, 113'016, bench::isa, threads,
                 [=](benchmark::State& state) { render(state, tree(113'016), s, threads); });
         }
     }
