@@ -22,7 +22,7 @@ struct exact_method {
     double tangency = 0;
     /// Share of the faces' area, [0, 1]: when less is left, faces count whole, however askew, which
     /// ends the search with fewer planes; 0: never.
-    double tail = 0.05;
+    double tail = 0.02;
     /// Normals that a local search starts from for each plane; 0: planes have normals of the space.
     int starts = 4;
     double last_step = 0.15 * std::numbers::pi / 180;  ///< of that search, radians, > 0
