@@ -131,6 +131,15 @@ TEST_SUITE("improve/refine_whole") {
         CHECK(cloud.plane_of_face[3] == no_id);
         CHECK(cloud.plane_count() <= 6);
     }
+    TEST_CASE("faces that are valid for no plane at all keep one") {
+        const mesh m = support::random_triangles(20, 0.1, 3);
+        const face_table faces = support::table_of(m);
+        billboard_cloud cloud =
+            support::cloud_of(faces, {{{0, 0, 1}, 0.7}, {{1, 0, 0}, 0.7}}, 1e-9);
+        refine_whole(faces, cloud);
+        CHECK(cloud.plane_count() == 1);
+        CHECK(measure_errors(m, cloud).mapped_faces == 20);
+    }
     TEST_CASE("the same bytes for any number of threads") {
         const face_table faces = support::table_of(leaf_soup(2000, {.edge = 0.05f}));
         const billboard_cloud found = search(faces, 0.1);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -48,8 +49,10 @@ public:
 
     [[nodiscard]] exchange_statistics run(std::size_t effort, const progress_function& progress) {
         exchange_statistics told;
+        if (effort == 0) return told;
         std::vector<trial> trials = all_trials();
         for (std::size_t next = 0; next < trials.size() && told.tried < effort;) {
+            if (cover_.plane_count() < 2) break;
             const std::size_t some = std::min({batch, trials.size() - next, effort - told.tried});
             std::vector<exchange_plan> plans(some);
             std::vector<std::vector<std::uint32_t>> scratches(

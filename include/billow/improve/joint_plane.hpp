@@ -5,11 +5,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include <billow/fit/minimax.hpp>
+#include <billow/geometry/frame.hpp>
 #include <billow/geometry/plane.hpp>
 #include <billow/mesh/face_table.hpp>
 #include <billow/search/face_sets.hpp>

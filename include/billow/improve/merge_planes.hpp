@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <tuple>
@@ -60,9 +61,10 @@ public:
     }
 
 private:
-    /// Removes planes all of whose faces are valid for others, those of least area first.
+    /// Removes planes all of whose faces are valid for others, those of least area first. One stays,
+    /// for faces that are valid for none.
     void eliminate() {
-        for (bool again = true; again;) {
+        for (bool again = true; again && cover_.plane_count() > 1;) {
             again = false;
             double least = std::numeric_limits<double>::infinity();
             plane_id worst = no_id;

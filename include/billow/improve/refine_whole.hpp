@@ -162,7 +162,6 @@ private:
         for (bool is_first = true;; is_first = false) {
             const std::size_t before = cover.plane_count();
             if (options_.merge) told_.merged_planes += merge_planes(cover, threads_);
-
             const exchange_statistics done =
                 exchange_planes(cover, options_.effort - tried, threads_, progress_);
             tried += done.tried;
