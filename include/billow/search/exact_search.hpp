@@ -196,15 +196,14 @@ private:
 /// the samples as the nearest one. Validity policies estimate what is exact here and are not asked; a
 /// falloff has no say.
 ///
-/// Guarantee. Contributions that only sum over the faces of a plane are monotone and submodular in
-/// the set of planes, so greedy planes hold, after k of them, at least 1 - 1/e of what the best k planes
-/// of the same choice hold (Nemhauser, Wolsey, Fisher 1978), and for full cover at most 1 + ln(most
-/// that a plane collects / least that a face adds) times as many planes as are needed (Wolsey 1982).
-/// "The same choice" is: all offsets, the normals of the space; a face's worth is taken as one
-/// number for all planes. It varies with |cos| under a projected contribution, and a plane takes
-/// faces that others would show better: the bound then holds for what the choice counted, not for
-/// projected_area_share. Planes that the local search finds collect as much or more at their step.
-/// Nothing is promised with a penalty, with weights of normals, or with a grouping.
+/// Guarantee. Where a face counts the same on all planes that it is valid for, as with method.tail 1,
+/// what planes hold is a monotone submodular function of their set. Then the first k greedy planes
+/// hold at least 1 - 1/e of what the best k hold (Nemhauser, Wolsey, Fisher 1978), and all of them are
+/// at most 1 + ln(most area that a plane collects / least area of a face) times as many as are needed
+/// (Wolsey 1982), the best being those among all offsets and the normals of the space; planes between
+/// these normals, and the fitter's, only collect more. A contribution that depends on the normal is
+/// greedy by the same rule but has no such proof, since a face that a plane shows askew is gone for
+/// those that would show it better; nor have penalties, weights of normals, and groupings.
 ///
 /// Shape, Unit, Gives: as greedy_search, whose result this is; covered_area is the curve of planes
 /// against area. With coverage < 1 the faces that are left join a plane within `skipped`, which may
