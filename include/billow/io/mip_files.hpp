@@ -44,21 +44,21 @@ struct mip_files {
     for (std::size_t id = 0; id < mips.size(); ++id) {
         const atlas_mips& of = mips[id];
         files.safe_levels = id == 0 ? of.safe_levels : std::min(files.safe_levels, of.safe_levels);
-        const auto name = [&](std::string_view channel, const std::string& ending) {
+        const auto name = [&](std::string_view map, const std::string& ending) {
             std::filesystem::path file = stem;
             if (id > 0) file += "_" + std::to_string(id);
-            file += "_" + std::string(channel) + ending;
+            file += "_" + std::string(map) + ending;
             return file;
         };
-        struct channel {
+        struct map_levels {
             std::string_view name{};
             std::span<const image> levels{};
             bool is_srgb = false;
         };
-        for (const channel& c :
-             {channel{"basecolor", of.base_color, true}, channel{"normal", of.normal},
-              channel{"orm", of.occlusion_roughness_metallic},
-              channel{"emissive", of.emissive, true}, channel{"horizon", of.horizon}}) {
+        for (const map_levels& c :
+             {map_levels{"basecolor", of.base_color, true}, map_levels{"normal", of.normal},
+              map_levels{"orm", of.occlusion_roughness_metallic},
+              map_levels{"emissive", of.emissive, true}, map_levels{"horizon", of.horizon}}) {
             if (c.levels.empty()) continue;
             if (format == mip_format::dds) {
                 files.names.push_back(name(c.name, ".dds"));
