@@ -24,4 +24,15 @@ TEST_SUITE("geometry/screen") {
         CHECK(pixels_of_error(1, 5, 5, screen) == doctest::Approx(800));
         CHECK(pixels_of_error(1, 5, 1, screen) == pixels_of_error(1, 5, 5, screen));
     }
+    TEST_CASE("error, distance and pixels give each other") {
+        const lod_screen screen{.fov_y = 0.8, .height_px = 900};
+        for (const double distance : {3.5, 10.0, 400.0}) {
+            for (const double pixels : {0.3, 1.0, 7.0}) {
+                const double error = error_for_pixels(pixels, 3, distance, screen);
+                CHECK(pixels_of_error(error, 3, distance, screen) == doctest::Approx(pixels));
+                CHECK(distance_for_pixels(error, 3, pixels, screen) == doctest::Approx(distance));
+            }
+        }
+        CHECK(error_for_pixels(1, 3, 2, screen) == error_for_pixels(1, 3, 3, screen));
+    }
 }

@@ -31,4 +31,21 @@ struct lod_screen {
     return error / std::max(distance - radius, screen.near) * screen.pixels_at_one();
 }
 
+/// The largest displacement that covers at most `pixels` at a distance: the inverse of
+/// pixels_of_error.
+[[nodiscard]] inline double error_for_pixels(double pixels, double radius, double distance,
+                                             const lod_screen& screen) noexcept {
+    return pixels * std::max(distance - radius, screen.near) / screen.pixels_at_one();
+}
+
+/// The least distance to the centre from which `error` covers at most `pixels`: the inverse of
+/// pixels_of_error. 0 where it never covers more.
+///
+/// Needs  pixels > 0.
+[[nodiscard]] inline double distance_for_pixels(double error, double radius, double pixels,
+                                                const lod_screen& screen) noexcept {
+    const double to_surface = error * screen.pixels_at_one() / pixels;
+    return to_surface > screen.near ? radius + to_surface : 0;
+}
+
 }  // namespace billow::inline BILLOW_ABI

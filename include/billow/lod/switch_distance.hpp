@@ -15,16 +15,6 @@
 
 namespace billow::inline BILLOW_ABI {
 
-/// The least distance to the centre from which `error` covers at most `pixels`: the inverse of
-/// pixels_of_error. 0 where it never covers more.
-///
-/// Needs  pixels > 0.
-[[nodiscard]] inline double distance_for_pixels(double error, double radius, double pixels,
-                                                const lod_screen& screen) noexcept {
-    const double to_surface = error * screen.pixels_at_one() / pixels;
-    return to_surface > screen.near ? radius + to_surface : 0;
-}
-
 /// The distance from which each level may be drawn, finest first. Never less than that of the level
 /// above, so that levels follow each other.
 [[nodiscard]] inline std::vector<double> switch_distances(std::span<const double> errors,
