@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
 
     cli::exit_code result = cli::success;
     cli::add_build(tool, result);
+    cli::add_compare(tool, result);
     cli::add_inspect(tool, result);
     cli::add_lod(tool, result);
     cli::add_atlas(tool, result);

@@ -14,6 +14,7 @@ enum exit_code : int {
 
 /// Adds a verb to the tool. When it is called, `result` becomes its exit code.
 void add_build(CLI::App& tool, exit_code& result);
+void add_compare(CLI::App& tool, exit_code& result);
 void add_inspect(CLI::App& tool, exit_code& result);
 void add_lod(CLI::App& tool, exit_code& result);
 void add_atlas(CLI::App& tool, exit_code& result);

@@ -20,6 +20,13 @@
 
 namespace billow::inline BILLOW_ABI {
 
+/// The sphere around all corners of faces, as bounding_sphere_of points.
+[[nodiscard]] inline bounding_sphere bounding_sphere_of(const mesh& of) {
+    return bounding_sphere_of(3 * of.face_count(), [&](std::size_t i) {
+        return of.positions[of.triangles[i / 3][static_cast<int>(i % 3)]];
+    });
+}
+
 /// An original's faces on the planes of a cloud's mesh.
 ///
 /// Shape  `planes.planes` ascends by feature id, without those of parts that are no plane;
@@ -84,11 +91,7 @@ public:
     plane_finder(const mesh& original, const mesh& cloud)
         : original_(original),
           cloud_(cloud),
-          bounds_(bounding_sphere_of(
-              3 * original.face_count(),
-              [&](std::size_t i) {
-                  return original.positions[original.triangles[i / 3][static_cast<int>(i % 3)]];
-              })),
+          bounds_(bounding_sphere_of(original)),
           slack_(1e-5 * bounds_.radius +
                  1e-6 * (std::abs(bounds_.centre.x) + std::abs(bounds_.centre.y) +
                          std::abs(bounds_.centre.z))) {}
