@@ -61,7 +61,6 @@ public:
     exact_chooser(const face_table& faces, const Pipeline& parts,
                   const exact_search_options& options, parallel threads)
         : space_(parts.space),
-          bias_(parts.policies.bias),
           worth_(tangent_share(parts.policies.contribution, options.method.tangency)),
           method_(options.method),
           threads_(threads),
@@ -71,8 +70,8 @@ public:
           area_(area_of(faces)),
           row_of_(space_.orientation_count()),
           cells_(make_cells()),
-          weights_(cells_, bias_, options.distribution),
-          directions_(sweep_, centres(cells_), threads),
+          weights_(cells_, parts.policies.bias, options.distribution),
+          directions_(sweep_, floats(normals_), threads),
           scratches_(threads.count()) {}
 
     void change(const face_table& faces, density_change change) {
@@ -126,23 +125,24 @@ private:
         std::vector<orientation_cell> cells;
         for (orientation_id id = 0; id < space_.orientation_count(); ++id) {
             const orientation_id opposite = space_.antipode(id);
-            if (id <= opposite) cells.push_back(space_.cell(id));
+            if (id <= opposite) {
+                cells.push_back(space_.cell(id));
+                normals_.push_back(space_.direction(id));
+            }
             row_of_[id] =
                 id <= opposite ? static_cast<std::uint32_t>(cells.size() - 1) : row_of_[opposite];
         }
         return cells;
     }
-    [[nodiscard]] static std::vector<vec3> centres(const std::vector<orientation_cell>& cells) {
-        std::vector<vec3> normals;
-        for (const orientation_cell& cell : cells) normals.push_back(cell.centre);
-        return normals;
+    [[nodiscard]] static std::vector<vec3> floats(const std::vector<dvec3>& normals) {
+        return {normals.begin(), normals.end()};
     }
 
     /// The best plane near the best few normals; of equals the first.
     [[nodiscard]] directed_plane searched(const face_table& remaining, const swept_direction& best,
                                           double charge) {
         const auto directed = [&](const swept_direction& d) {
-            return directed_plane{glm::normalize(dvec3(directions_.normal(d.row))), d.at};
+            return directed_plane{normals_[d.row], d.at};
         };
         std::vector<directed_plane> tries{directed(best)};
         if (method_.starts <= 0) return tries.front();
@@ -166,7 +166,6 @@ private:
     }
 
     const space_type& space_;
-    const decltype(decltype(Pipeline::policies)::bias)& bias_;
     contribution_type worth_;
     exact_method method_;
     parallel threads_;
@@ -174,6 +173,7 @@ private:
     sweep_type sweep_;
     double area_;
     std::vector<std::uint32_t> row_of_;
+    std::vector<dvec3> normals_{};
     std::vector<orientation_cell> cells_;
     orientation_weights weights_;
     lazy_directions<sweep_type> directions_;

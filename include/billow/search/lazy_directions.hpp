@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <billow/core/jobs.hpp>
@@ -42,7 +43,6 @@ public:
           scratches_(threads.count()) {}
 
     [[nodiscard]] std::size_t size() const noexcept { return normals_.size(); }
-    [[nodiscard]] const vec3& normal(std::size_t row) const noexcept { return normals_[row]; }
 
     /// Adds faces to all rows, or takes them out. Cost O(faces · normals).
     void change(const face_table& faces, density_change change) {
