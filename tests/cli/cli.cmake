@@ -17,7 +17,7 @@ set_tests_properties(cli.chosen PROPERTIES LABELS cli TIMEOUT 120)
 
 set(clouds)
 foreach(name cube_cloud teapot_cloud leaves_cloud few empty_cloud "one face_cloud" degenerate_cloud
-        square_cloud cube teapot leaves tree kept_trunk teapot_LOD0 teapot_LOD1 teapot_LOD2)
+        square_cloud cube teapot leaves tree kept_trunk teapot_LOD0 teapot_LOD1 teapot_LOD2 textures_out forest/forest)
     list(APPEND clouds ${folder}/${name}.glb)
 endforeach()
 billow_add_validator_test(clouds FILES ${clouds} FIXTURE cli_files)
