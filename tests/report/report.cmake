@@ -1,0 +1,15 @@
+# Pages that the tool writes, in headless Chromium. Without node, npm or Chromium, or without a network
+# to install playwright-core from, the test is skipped; in CI that is a failure.
+
+# billow_add_report_test(<name> FILES <file>... [FIXTURE <fixture>])
+#
+# Adds the test report.<name>: every page works. The tests that set up <fixture> write the files.
+function(billow_add_report_test name)
+    cmake_parse_arguments(PARSE_ARGV 1 arg "" "FIXTURE" "FILES")
+    add_test(NAME report.${name}
+        COMMAND ${CMAKE_COMMAND} "-DFILES=${arg_FILES}" -DFOLDER=${PROJECT_BINARY_DIR}/report
+                -P ${PROJECT_SOURCE_DIR}/tests/report/run.cmake)
+    set_tests_properties(report.${name} PROPERTIES
+        LABELS report TIMEOUT 300 SKIP_REGULAR_EXPRESSION "report is skipped"
+        RESOURCE_LOCK billow_report FIXTURES_REQUIRED "${arg_FIXTURE}")
+endfunction()
