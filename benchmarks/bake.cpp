@@ -1,8 +1,9 @@
-// Textures by texel, packing by tile.
+// Textures by texel.
 #include <billow/bake/bake_cloud.hpp>
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <billow/bake/draw_set.hpp>
@@ -13,6 +14,9 @@
 #include <billow/improve/cardboard.hpp>
 #include <billow/plants/species.hpp>
 #include <billow/search/greedy.hpp>
+#ifdef BILLOW_BENCHMARK_IO
+#include <billow/io/image_file.hpp>
+#endif
 
 #include "bench.hpp"
 
@@ -51,6 +55,48 @@ void cardboard(benchmark::State& state, const bench::scene& scene) {
     state.counters["added"] = static_cast<double>(added);
 }
 
+/// Alpha of one tile of strewn shares, 256 texels a side.
+void alpha(benchmark::State& state, alpha_kind kind) {
+    random_stream random(1);
+    tile_picture tile = empty_tile({256, 256}, 4, false);
+    for (std::size_t i = 0; i < tile.texel_count(); ++i) {
+        tile.covered[i] = static_cast<std::uint8_t>(std::max(0, random.between(-16, 16)));
+        tile.cut_out[i] = tile.covered[i];
+    }
+    bench::repeat(state, {"ms_per_megatexel", 1e3, 65536 / 1e6},
+                  [&] { choose_alpha(tile, {.kind = kind}); });
+}
+
+/// Borders of an atlas where one texel of eight is covered.
+void borders(benchmark::State& state, const bench::scene& scene, unsigned threads) {
+    billboard_cloud cloud = cloud_of(scene);
+    baked_cloud baked = bake_cloud(scene.mesh, scene.faces, cloud, {}, {});
+    std::vector<std::vector<char>> covered;
+    double texels = 0;
+    for (const atlas& a : baked.atlases) {
+        std::vector<char>& marks = covered.emplace_back();
+        for (std::size_t i = 3; i < a.base_color.bytes.size(); i += 4) {
+            marks.push_back(a.base_color.bytes[i] >= 128 ? 1 : 0);
+        }
+        texels += static_cast<double>(marks.size());
+    }
+    bench::repeat(state, {"ms_per_megatexel", 1e3, texels / 1e6},
+                  [&] { fill_borders(baked, covered, 8, {threads}); });
+}
+
+#ifdef BILLOW_BENCHMARK_IO
+void png(benchmark::State& state, const bench::scene& scene) {
+    billboard_cloud cloud = cloud_of(scene);
+    const baked_cloud baked = bake_cloud(scene.mesh, scene.faces, cloud, {}, {});
+    const image& picture = baked.atlases[0].base_color;
+    const double texels = static_cast<double>(picture.width) * picture.height;
+    std::size_t bytes = 0;
+    bench::repeat(state, {"ms_per_megatexel", 1e3, texels / 1e6},
+                  [&] { bytes = encode_png(picture).size(); });
+    state.counters["bits_per_texel"] = 8 * static_cast<double>(bytes) / texels;
+}
+#endif
+
 void mips(benchmark::State& state, const bench::scene& scene, unsigned threads) {
     billboard_cloud cloud = cloud_of(scene);
     const baked_cloud baked = bake_cloud(scene.mesh, scene.faces, cloud, {}, {});
@@ -60,18 +106,6 @@ void mips(benchmark::State& state, const bench::scene& scene, unsigned threads) 
     bench::repeat(state, {"ms_per_megatexel", 1e3, texels / 1e6},
                   [&] { levels = make_mips(baked, {}, {threads})[0].base_color.size(); });
     state.counters["levels"] = static_cast<double>(levels);
-}
-
-void pack(benchmark::State& state, std::size_t size) {
-    random_stream random(1);
-    std::vector<ivec2> tiles;
-    for (std::size_t i = 0; i < size; ++i) {
-        tiles.emplace_back(random.between(4, 200), random.between(4, 200));
-    }
-    std::size_t atlases = 0;
-    bench::repeat(state, {"us_per_tile", 1e6, static_cast<double>(size)},
-                  [&] { atlases = pack_rectangles(tiles).atlas_sizes.size(); });
-    state.counters["atlases"] = static_cast<double>(atlases);
 }
 
 /// A view of a whole scene along z, in samples.
@@ -146,6 +180,9 @@ const bool rows = [] {
             "bake.mips/leaf_soup", 1'000, "scalar", threads,
             [=](benchmark::State& state) { mips(state, bench::leaves(1'000), threads); });
         bench::add_row(
+            "bake.borders/leaf_soup", 1'000, "scalar", threads,
+            [=](benchmark::State& state) { borders(state, bench::leaves(1'000), threads); });
+        bench::add_row(
             "bake.bake_cloud/broadleaf", 20'000, "scalar", threads, [=](benchmark::State& state) {
                 static const bench::scene tree(*grow(*with_face_count(broadleaf(), 20'000, 1), 1));
                 bake(state, tree, threads);
@@ -172,10 +209,16 @@ const bool rows = [] {
         bench::add_row("bake.resolve/leaf_soup", size, "scalar", 1,
                        [=](benchmark::State& state) { resolve(state, bench::leaves(size)); });
     }
-    for (const std::size_t size : {100u, 1'000u}) {
-        bench::add_row("bake.pack/random", size, "scalar", 1,
-                       [=](benchmark::State& state) { pack(state, size); });
+    for (const auto& [name, kind] : {std::pair("bake.alpha/binary", alpha_kind::binary),
+                                     std::pair("bake.alpha/coverage", alpha_kind::coverage),
+                                     std::pair("bake.alpha/sdf", alpha_kind::distance)}) {
+        bench::add_row(name, 1'000, "scalar", 1,
+                       [=](benchmark::State& state) { alpha(state, kind); });
     }
+#ifdef BILLOW_BENCHMARK_IO
+    bench::add_row("io.png/leaf_soup", 1'000, "scalar", 1,
+                   [=](benchmark::State& state) { png(state, bench::leaves(1'000)); });
+#endif
     return true;
 }();
 
