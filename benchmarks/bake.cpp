@@ -60,7 +60,7 @@ void alpha(benchmark::State& state, alpha_kind kind) {
     random_stream random(1);
     tile_picture tile = empty_tile({256, 256}, 4, false);
     for (std::size_t i = 0; i < tile.texel_count(); ++i) {
-        tile.covered[i] = static_cast<std::uint8_t>(std::max(0, random.between(-16, 16)));
+        tile.covered[i] = static_cast<std::uint8_t>(std::max(0.0, random.between(-16, 16)));
         tile.cut_out[i] = tile.covered[i];
     }
     bench::repeat(state, {"ms_per_megatexel", 1e3, 65536 / 1e6},
