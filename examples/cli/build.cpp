@@ -125,6 +125,7 @@ void add_build(CLI::App& tool, exit_code& result) {
                        : "'" + name + "' does not end in .glb";
         });
     const auto options = std::make_shared<cloud_options>(*verb);
+    options->add_distance_options();
     verb->add_option("--report", a.report, "Write what was found and measured: .json")
         ->group("Output");
     verb->add_option("--atlas-png", a.atlas_png,

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <billow/metrics/nearest_planes.hpp>
+
 #include "names.hpp"
 #include "shared.hpp"
 
@@ -96,6 +98,7 @@ void cloud_options::check() const {
     if (split_ == "off" && is_for_trunk) {
         throw CLI::ValidationError("--split", "off leaves no trunk for the options of trunks");
     }
+    if (!distance_.empty()) static_cast<void>(parse_distance("--distance", distance_));
 }
 
 void cloud_options::change_all(recipe& how, bool is_trunk) const {
@@ -117,6 +120,27 @@ bool cloud_options::wants_split(const model_description& model) const {
 }
 
 model_recipe cloud_options::recipe_for(const mesh& source) const {
+    model_recipe how = recipe_of_model(source);
+    if (!distance_.empty()) choose_for_distance(source, how);
+    return how;
+}
+
+void cloud_options::choose_for_distance(const mesh& source, model_recipe& how) const {
+    const bounding_sphere bounds = bounding_sphere_of(source);
+    const double distance = parse_distance("--distance", distance_).in(bounds);
+    if (!(distance > 0)) return;  // radii of a mesh without any
+    const viewing_options seen{.distance = distance,
+                               .screen = screen_.screen(),
+                               .pixel_error = screen_.pixel_error,
+                               .texel_error = texel_error_};
+    how.view = {seen, choose_for(bounds, seen)};
+    apply(how.view->choice, how.whole.options);
+    if (how.trunk && verb_.count("--trunk-epsilon") == 0) {
+        apply(how.view->choice, how.trunk->options);
+    }
+}
+
+model_recipe cloud_options::recipe_of_model(const mesh& source) const {
     const model_description model = look_at(source);
     model_recipe result;
     result.preset = preset_;
@@ -407,6 +431,28 @@ void cloud_options::add_texture_options() {
         ->check(CLI::Range(0, 256));
     add_flag("--power-of-two", "Make the atlas' sides powers of two",
              [](recipe& how) { how.options.bake.power_of_two = true; });
+}
+
+void cloud_options::add_distance_options() {
+    group_ = "Distance";
+    CLI::Option* distance =
+        verb_
+            .add_option("--distance", distance_,
+                        "Choose epsilon and texels for a cloud that is seen from there: the eye's "
+                        "distance to the centre of the bounding sphere, in scene units, 40 or 40m, "
+                        "or in radii, 12R")
+            ->group(group_);
+    for (const char* chosen : {"--epsilon", "--planes", "--texels", "--texels-per-unit"}) {
+        distance->excludes(verb_.get_option(chosen));
+    }
+    add_screen_options(verb_, screen_, group_, "Pixels that a vertex may be off there");
+    verb_.add_option("--texel-error", texel_error_, "Pixels that a texel may cover there")
+        ->check(CLI::Range(0.01, 1000.0))
+        ->capture_default_str()
+        ->group(group_);
+    for (const char* of_it : {"--pixel-error", "--screen", "--fov", "--texel-error"}) {
+        verb_.get_option(of_it)->needs(distance);
+    }
 }
 
 void cloud_options::add_texture_looks() {

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "recipe.hpp"
+#include "screen_options.hpp"
 
 namespace cli {
 
@@ -18,6 +19,9 @@ namespace cli {
 class cloud_options {
 public:
     explicit cloud_options(CLI::App& verb);
+
+    /// Adds --distance and what belongs to it, for verbs whose cloud is for one distance.
+    void add_distance_options();
 
     /// Throws CLI::ValidationError where a value makes no sense. Needs no mesh.
     void check() const;
@@ -70,6 +74,8 @@ private:
     void add_texture_options();
     void add_texture_looks();
 
+    [[nodiscard]] model_recipe recipe_of_model(const billow::mesh& source) const;
+    void choose_for_distance(const billow::mesh& source, model_recipe& how) const;
     [[nodiscard]] recipe recipe_for_whole(const billow::model_description& model) const;
     [[nodiscard]] bool wants_split(const billow::model_description& model) const;
     [[nodiscard]] billow::model_description look_at(const billow::mesh& source) const;
@@ -84,6 +90,9 @@ private:
     std::string split_ = "auto";
     std::vector<std::string> foliage_materials_{};
     std::string trunk_ = "billboards";
+    std::string distance_{};
+    screen_options screen_{};
+    double texel_error_ = 1;
 };
 
 }  // namespace cli

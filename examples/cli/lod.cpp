@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <numbers>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -20,6 +19,7 @@
 #include "cloud_options.hpp"
 #include "manifest.hpp"
 #include "progress_line.hpp"
+#include "screen_options.hpp"
 #include "shared.hpp"
 
 namespace cli {
@@ -34,17 +34,10 @@ struct lod_arguments {
     lod_options chain{};
     std::string mode = "incremental";
     std::string texel_share = "50%";
-    double pixel_error = 1;
-    double fov_degrees = 60;
-    int screen_height = 1080;
+    screen_options seen{};
     unsigned threads = 0;
     bool is_quiet = false;
 
-    [[nodiscard]] lod_screen screen() const {
-        return {.fov_y = fov_degrees * std::numbers::pi / 180,
-                .width_px = screen_height * 16 / 9,
-                .height_px = screen_height};
-    }
     [[nodiscard]] std::filesystem::path level_file(std::size_t level) const {
         auto name = output;
         return name += "_LOD" + std::to_string(level) + ".glb";
@@ -64,7 +57,7 @@ json displacement_json(const displacement& moved) {
 
 /// When a level may be drawn, by one of its errors.
 json switch_json(const lod_arguments& arguments, double distance, double radius) {
-    const lod_screen screen = arguments.screen();
+    const lod_screen screen = arguments.seen.screen();
     json out;
     out["distance"] = distance;
     // What may be drawn at any distance may fill the screen.
@@ -99,7 +92,8 @@ std::vector<double> distances_of(const lod_arguments& arguments, const lod_chain
                                  double displacement::*error) {
     std::vector<double> errors;
     for (const lod_level& level : chain.levels) errors.push_back(level.error.*error);
-    return switch_distances(errors, chain.bounds.radius, arguments.pixel_error, arguments.screen());
+    return switch_distances(errors, chain.bounds.radius, arguments.seen.pixel_error,
+                            arguments.seen.screen());
 }
 
 std::string manifest_json(const lod_arguments& arguments, const loaded_mesh& loaded,
@@ -114,9 +108,9 @@ std::string manifest_json(const lod_arguments& arguments, const loaded_mesh& loa
     json& chosen = manifest["options"];
     chosen["mode"] = arguments.mode;
     chosen["least_incremental"] = arguments.chain.least_incremental;
-    chosen["pixel_error"] = arguments.pixel_error;
-    chosen["screen"] = arguments.screen_height;
-    chosen["fov"] = arguments.fov_degrees;
+    chosen["pixel_error"] = arguments.seen.pixel_error;
+    chosen["screen"] = arguments.seen.height_px;
+    chosen["fov"] = arguments.seen.fov_degrees;
     chosen["texels"] = arguments.chain.build.bake.texels;
     chosen["texel_share"] = arguments.chain.texel_share;
     json& levels = manifest["levels"] = json::array();
@@ -129,7 +123,7 @@ std::string manifest_json(const lod_arguments& arguments, const loaded_mesh& loa
         switches["by_max"] = switch_json(arguments, by_max[i], radius);
         switches["by_mean"] = switch_json(arguments, by_mean[i], radius);
         level["sharp_distance"] = distance_for_pixels(chain.levels[i].built.baked.texel_size,
-                                                      radius, 1, arguments.screen());
+                                                      radius, 1, arguments.seen.screen());
         levels.push_back(std::move(level));
     }
     return manifest.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
@@ -261,16 +255,8 @@ void add_lod(CLI::App& tool, exit_code& result) {
     group(verb->add_option("--texel-share", a.texel_share,
                            "Texels along the diameter, of those of the level above"),
           "Levels");
-    group(verb->add_option("--pixel-error", a.pixel_error,
-                           "Pixels that a level may be off at its switch distance"),
-          "Switch distances")
-        ->check(CLI::Range(0.01, 1000.0));
-    group(verb->add_option("--screen", a.screen_height, "Height of the screen in pixels"),
-          "Switch distances")
-        ->check(CLI::Range(1, 100000));
-    group(verb->add_option("--fov", a.fov_degrees, "Vertical field of view in degrees"),
-          "Switch distances")
-        ->check(CLI::Range(1.0, 170.0));
+    add_screen_options(*verb, a.seen, "Switch distances",
+                       "Pixels that a level may be off at its switch distance");
     const auto options = std::make_shared<cloud_options>(*verb);
     for (const char* option : decided_by_levels) verb->get_option(option)->group("");
     for (const char* option : of_parts) verb->get_option(option)->group("");

@@ -6,6 +6,7 @@
 
 #include <billow/billow.hpp>
 #include <billow/lod/chain.hpp>
+#include <billow/pipeline/choose.hpp>
 #include <billow/presets.hpp>
 
 #include "chosen.hpp"
@@ -46,13 +47,20 @@ template <class Pipeline>
 /// What becomes of a trunk that is split off.
 enum class trunk_use { billboards, keep, reduce };
 
+/// A cloud for a distance: what was asked for, and what follows.
+struct chosen_view {
+    billow::viewing_options seen{};
+    billow::viewing_choice choice{};
+};
+
 /// How a given model becomes a cloud.
 struct model_recipe {
     recipe whole{};  ///< or the foliage, where there is a trunk
     std::optional<recipe> trunk{};
     billow::face_roles roles{};  ///< of a model with a trunk
     trunk_use use = trunk_use::billboards;
-    double reduced_share = 1;  ///< of the trunk's triangles, trunk_use::reduce
+    double reduced_share = 1;           ///< of the trunk's triangles, trunk_use::reduce
+    std::optional<chosen_view> view{};  ///< where epsilon and texels were chosen for a distance
     std::string preset{};
     std::string note{};  ///< one line on what was chosen, and why
 };

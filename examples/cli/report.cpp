@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <billow/metrics/geometric_error.hpp>
+
 #include "names.hpp"
 
 namespace cli {
@@ -113,6 +115,68 @@ json welding_json(const build_result& result) {
     return told;
 }
 
+/// How far vertices are off, seen from where the cloud is for.
+geometric_errors seen_errors(const finished_build& of) {
+    const viewing_options& seen = of.how.view->seen;
+    return geometric_error(of.loaded.mesh, of.result.cloud, of.result.moved,
+                           {seen.distance, seen.screen});
+}
+
+json view_json(const finished_build& of) {
+    const viewing_options& seen = of.how.view->seen;
+    const viewing_choice& choice = of.how.view->choice;
+    const double radius = of.result.cloud.bounds.radius;
+    json told;
+    told["distance"] = seen.distance;
+    told["screen"] = seen.screen.height_px;
+    told["fov"] = degrees_of(seen.screen.fov_y);
+    told["pixel_error"] = seen.pixel_error;
+    told["texel_error"] = seen.texel_error;
+    told["pixel"] = choice.pixel;
+    told["wanted_epsilon"] = choice.wanted_epsilon;
+    told["epsilon"] = choice.epsilon;
+    told["wanted_texel_size"] = choice.wanted_texel_size;
+    told["texel_size"] = choice.texel_size;
+    told["texels"] = 2 * radius / choice.texel_size;
+    told["epsilon_px"] = choice.error_px;
+    told["texel_px"] = choice.texel_px;
+    told["object_px"] = choice.object_px;
+    const geometric_errors errors = seen_errors(of);
+    told["mean_error_px"] = errors.mean_px;
+    told["max_error_px"] = errors.max_px;
+    return told;
+}
+
+/// What was chosen for a distance, why, and what came of it.
+void print_view(const finished_build& of) {
+    const viewing_options& seen = of.how.view->seen;
+    const viewing_choice& choice = of.how.view->choice;
+    const double radius = of.result.cloud.bounds.radius;
+    std::printf(
+        "distance: at %.4g a pixel shows %.4g: epsilon %.4g (%.3g %% of the radius), texels of "
+        "%.4g, %.0f along the diameter\n",
+        seen.distance, choice.pixel, choice.epsilon,
+        radius > 0 ? 100 * choice.epsilon / radius : 0.0, choice.texel_size,
+        2 * radius / choice.texel_size);
+    std::printf(
+        "distance: the object is %.0f pixels high there; vertices are off by %.3g at most\n",
+        choice.object_px, seen_errors(of).max_px);
+    if (choice.epsilon > choice.wanted_epsilon) {
+        std::printf(
+            "note: epsilon stays at %.3g %% of the radius, which covers %.3g pixels there; closer "
+            "than %.4g draw the mesh\n",
+            100 * choice.epsilon / radius, choice.error_px,
+            distance_for_pixels(choice.epsilon, radius, seen.pixel_error, seen.screen));
+    } else if (choice.epsilon < choice.wanted_epsilon) {
+        std::printf("note: epsilon stays at %.3g %% of the radius, where %.3g %% would do\n",
+                    100 * choice.epsilon / radius, 100 * choice.wanted_epsilon / radius);
+    }
+    if (choice.texel_size > choice.wanted_texel_size) {
+        std::printf("note: texels stay at %.0f along the diameter and cover %.3g pixels there\n",
+                    2 * radius / choice.texel_size, choice.texel_px);
+    }
+}
+
 json parts_json(const finished_build& of) {
     json parts = json::array();
     for (std::size_t i = 0; i < of.result.parts.size(); ++i) {
@@ -160,6 +224,7 @@ std::string report_json(const finished_build& of) {
     report["faces_beyond_epsilon"] = errors.faces_beyond_epsilon;
     report["preset"] = of.how.preset;
     report["model"] = of.how.note;
+    if (of.how.view) report["viewing"] = view_json(of);
     report["search"] = search_json(result.statistics);
     report["welding"] = welding_json(result);
     report["parts"] = parts_json(of);
@@ -194,6 +259,7 @@ void print_summary(const finished_build& of) {
     if (!of.how.note.empty()) {
         std::printf("%s: %s\n", of.how.preset.c_str(), of.how.note.c_str());
     }
+    if (of.how.view) print_view(of);
     const std::size_t kept = result.kept.face_count();
     std::printf("%s: %zu faces -> %zu planes, %zu triangles%s\n", of.input.string().c_str(),
                 of.loaded.mesh.face_count(), result.cloud.plane_count(), of.triangles,
