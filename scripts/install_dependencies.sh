@@ -10,9 +10,13 @@ packages=(
     libdeflate-dev
     libcli11-dev doctest-dev libbenchmark-dev
 )
-# At home the glTF validator's tests are skipped without node, in CI they may not be.
+# At home the tests of the glTF validator and of pages are skipped without node or Chromium, in CI
+# they may not be.
 if [ -n "${CI:-}" ] && ! command -v npm >/dev/null; then
     packages+=(nodejs npm)
+fi
+if [ -n "${CI:-}" ] && ! command -v chromium-browser google-chrome-stable google-chrome >/dev/null; then
+    packages+=(chromium)
 fi
 
 if ! command -v apt-get >/dev/null; then

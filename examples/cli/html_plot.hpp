@@ -25,11 +25,11 @@ inline double elevation_deg(const billow::dvec3& direction) {
     return std::asin(std::clamp(direction.y, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// The least 1, 2 or 5 times a power of ten that is not below `value`.
+/// The least of 1, 1.5, 2, 3, 4, 5, 6 and 8 times powers of ten that is not below `value`.
 inline double round_above(double value) {
     if (!(value > 0)) return 1;
     const double power = std::pow(10.0, std::floor(std::log10(value)));
-    for (const double step : {1.0, 2.0, 5.0}) {
+    for (const double step : {1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0}) {
         if (step * power >= value) return step * power;
     }
     return 10 * power;
@@ -50,8 +50,9 @@ public:
     }
     /// A word below the place `at`, 0 to 1, of the x axis.
     void label(double at, const std::string& word) {
-        text_ += formatted("<text x=\"%.1f\" y=\"212\" text-anchor=\"middle\">", x_of(at)) + word +
-                 "</text>\n";
+        const char* anchor = at <= 0 ? "start" : at >= 1 ? "end" : "middle";
+        text_ += formatted("<text x=\"%.1f\" y=\"212\" text-anchor=\"%s\">", x_of(at), anchor) +
+                 word + "</text>\n";
     }
     void curve(std::size_t series, const std::vector<double>& values) {
         text_ += formatted("<path class=\"curve s%zu\" d=\"", series % 6);

@@ -427,8 +427,8 @@ private:
                            "%.2f", 1);
         }
         out_ +=
-            "</tbody></table></div>\n<p>Each is 0 for the original itself. The least mean is "
-            "bold. A geometric error is a lower bound: each face is taken to be on the nearest "
+            "</tbody></table></div>\n<p>Each is 0 for the original itself. The mean nearest to 0 "
+            "is bold. A geometric error is a lower bound: each face is taken to be on the nearest "
             "plane with a polygon over it, since a file does not tell.</p>\n";
     }
 
@@ -618,7 +618,7 @@ private:
         }
     }
 
-    static constexpr double hottest = 40;  // ΔE
+    static constexpr double hottest = 20;  // ΔE
 
     const std::vector<compared_file>& files_;
     const comparison& found_;

@@ -21,3 +21,11 @@ foreach(name cube_cloud teapot_cloud leaves_cloud few empty_cloud "one face_clou
     list(APPEND clouds ${folder}/${name}.glb)
 endforeach()
 billow_add_validator_test(clouds FILES ${clouds} FIXTURE cli_files)
+
+# Pages of the verb compare.
+include(report/report.cmake)
+set(pages)
+foreach(name two_clouds odd_name no_planes)
+    list(APPEND pages ${folder}/${name}.html)
+endforeach()
+billow_add_report_test(compare FILES ${pages} FIXTURE cli_files)

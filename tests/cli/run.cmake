@@ -125,6 +125,7 @@ include("${CMAKE_CURRENT_LIST_DIR}/lod.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/planes.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/mips.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/textures.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/compare.cmake")
 
 # --- What does not ------------------------------------------------------------------------------
 

@@ -13,3 +13,9 @@ function(billow_add_report_test name)
         LABELS report TIMEOUT 300 SKIP_REGULAR_EXPRESSION "report is skipped"
         RESOURCE_LOCK billow_report FIXTURES_REQUIRED "${arg_FIXTURE}")
 endfunction()
+
+# The gate itself: it stops a page whose pictures do not decode.
+file(CONFIGURE OUTPUT report/bad.html CONTENT
+    "<!doctype html><title>bad</title><img alt=\"bad\" src=\"data:image/png;base64,AAAA\">\n")
+billow_add_report_test(stops_a_bad_page FILES ${CMAKE_CURRENT_BINARY_DIR}/report/bad.html)
+set_tests_properties(report.stops_a_bad_page PROPERTIES WILL_FAIL ON)
