@@ -95,6 +95,10 @@ void cloud_options::check() const {
     }
     const bool is_for_trunk = parse_trunk(trunk_).first != trunk_use::billboards ||
                               std::ranges::any_of(trunk_options_, is_given);
+    if (verb_.count("--refine-whole") + verb_.count("--effort") > 0 &&
+        verb_.count("--compact") > 0) {
+        throw CLI::ValidationError("--refine-whole", "would join what --compact keeps apart");
+    }
     if (split_ == "off" && is_for_trunk) {
         throw CLI::ValidationError("--split", "off leaves no trunk for the options of trunks");
     }
@@ -263,12 +267,44 @@ void cloud_options::add_plane_options() {
                          if (name == "minimax") fit = minimax_fit{};
                      })
         ->check(CLI::IsMember({"none", "average", "svd", "least-squares", "minimax"}));
+    add<std::string>(
+        "--search", "grid",
+        "How planes are looked for: in a density grid, or exactly, offset by offset",
+        [](recipe& how, const std::string& name) { how.method.search.is_exact = name == "exact"; })
+        ->check(CLI::IsMember({"grid", "exact"}));
+    add<double>("--tangency", "0",
+                "Of the exact search: how much more faces count that lie along their plane",
+                [](recipe& how, double tangency) { how.method.search.exact.tangency = tangency; })
+        ->check(CLI::Range(0.0, 100.0));
+    add_flag(
+        "--refine-whole",
+        "After the search merge and exchange planes, and give faces to the plane that they lie "
+        "along most; not with --weld online or --compact",
+        [](recipe& how) { how.options.refines_whole = true; });
+    add<std::size_t>("--effort", "24", "Exchanges of planes that --refine-whole tries",
+                     [](recipe& how, std::size_t effort) {
+                         how.options.whole.effort = effort;
+                         how.options.refines_whole = true;
+                     })
+        ->check(CLI::Range(0, 1000000));
+    CLI::Option* coverage = add<std::string>(
+        "--coverage", "100%; thesis: 98%",
+        "End when planes hold this share of the area; the rest goes to near planes "
+        "or is dropped",
+        [](recipe& how, const std::string& text) {
+            const double share = parse_share("--coverage", text);
+            if (share < 0.01) {
+                throw CLI::ValidationError("--coverage", "must be 1% at least");
+            }
+            how.options.search.skip_area = 1 - share;
+        });
     add<std::string>("--skip-area", "0%; thesis: 2%",
                      "End when less than this share of the area is left; it goes to near planes or "
                      "is dropped",
                      [](recipe& how, const std::string& text) {
                          how.options.search.skip_area = parse_share("--skip-area", text, 0.99);
-                     });
+                     })
+        ->excludes(coverage);
     add<std::string>("--min-contribution", "0%",
                      "End before a plane that would collect less than this share of the area",
                      [](recipe& how, const std::string& text) {

@@ -16,8 +16,8 @@ namespace cli {
 using tool_policies =
     billow::density_policies<chosen_validity, chosen_contribution, billow::inner_side_penalty,
                              billow::distance_falloff, chosen_bias>;
-using tool_pipeline =
-    billow::pipeline<chosen_space, tool_policies, chosen_fit, chosen_grouping, chosen_motion>;
+using tool_pipeline = billow::pipeline<chosen_space, tool_policies, chosen_fit, chosen_grouping,
+                                       chosen_motion, billow::either_method>;
 
 /// How the planes of a model are found, or of a part of it.
 struct recipe {
@@ -30,12 +30,16 @@ template <class Pipeline>
 [[nodiscard]] recipe recipe_of(const billow::preset<Pipeline>& from) {
     const auto& policies = from.method.policies;
     using falloff = std::remove_cvref_t<decltype(policies.falloff)>;
+    constexpr bool is_exact =
+        std::is_same_v<std::remove_cvref_t<decltype(from.method.search)>, billow::exact_method>;
     recipe how{from.options,
                {from.method.space,
                 {policies.validity, policies.contribution, policies.penalty, {}, policies.bias},
                 from.method.fitter,
                 from.method.grouping,
-                from.method.motion}};
+                from.method.motion,
+                {.is_exact = is_exact}}};
+    if constexpr (is_exact) how.method.search.exact = from.method.search;
     if constexpr (falloff::falls) {
         how.method.policies.falloff = policies.falloff;
     } else {

@@ -55,6 +55,10 @@ json options_json(const recipe& how) {
     chosen["distribution"] = options.search.distribution.strength;
     chosen["refine"] = name_in(refinement_names, options.search.refine);
     chosen["fit"] = how.method.fitter.name();
+    chosen["search"] = how.method.search.is_exact ? "exact" : "grid";
+    chosen["tangency"] = how.method.search.exact.tangency;
+    chosen["refine_whole"] = options.refines_whole;
+    chosen["effort"] = options.whole.effort;
     chosen["skip_area"] = options.search.skip_area;
     chosen["min_contribution"] = options.search.min_contribution;
     chosen["compact"] = how.method.grouping.is_compact;
@@ -177,6 +181,19 @@ void print_view(const finished_build& of) {
     }
 }
 
+json refined_json(const whole_refinement_report& refined) {
+    json told;
+    told["planes_before"] = refined.planes_before;
+    told["planes_after"] = refined.planes_after;
+    told["merged_planes"] = refined.merged_planes;
+    told["exchanges_tried"] = refined.exchanges.tried;
+    told["exchanges_made"] = refined.exchanges.made;
+    told["moved_faces"] = refined.moved_faces;
+    told["projected_area_share_before"] = refined.projected_area_share_before;
+    told["projected_area_share_after"] = refined.projected_area_share_after;
+    return told;
+}
+
 json parts_json(const finished_build& of) {
     json parts = json::array();
     for (std::size_t i = 0; i < of.result.parts.size(); ++i) {
@@ -189,6 +206,9 @@ json parts_json(const finished_build& of) {
         told["epsilon"] = part.epsilon;
         told["mapped_faces"] = part.faces.mapped;
         told["search"] = search_json(part.statistics);
+        if (part.refined.planes_before > 0) told["refined"] = refined_json(part.refined);
+        told["curve"]["covered_area"] = part.curve.covered_area;
+        told["curve"]["mean_error"] = part.curve.mean_error;
         told["options"] = options_json(is_trunk ? *of.how.trunk : of.how.whole);
         parts.push_back(std::move(told));
     }

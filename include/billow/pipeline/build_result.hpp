@@ -10,9 +10,11 @@
 #include <billow/cloud/billboard_cloud.hpp>
 #include <billow/cloud/cracks.hpp>
 #include <billow/cloud/measure.hpp>
+#include <billow/cloud/plane_order.hpp>
 #include <billow/core/parallel.hpp>
 #include <billow/geometry/bounds.hpp>
 #include <billow/improve/cardboard.hpp>
+#include <billow/improve/refine_whole.hpp>
 #include <billow/improve/weld.hpp>
 #include <billow/mesh/append_mesh.hpp>
 #include <billow/mesh/mesh.hpp>
@@ -41,9 +43,11 @@ struct tolerance {
 struct build_options {
     tolerance epsilon = tolerance::of_radius(0.1);  ///< largest distance of a vertex to its plane
     greedy_options search{};                        ///< its own epsilon is not read
-    std::size_t planes = 0;  ///< 0: as many as epsilon asks for; else epsilon, where the search
-                             ///< starts, is changed until there are about so many
-    weld_options weld{};     ///< after the search; weld_online of a pipeline needs none here
+    std::size_t planes = 0;      ///< 0: as many as epsilon asks for; else epsilon, where the search
+                                 ///< starts, is changed until there are about so many
+    bool refines_whole = false;  ///< refine_whole() after the search, where no vertex has moved
+    whole_refinement_options whole{};  ///< its least_cosine is not read: it is the contribution's
+    weld_options weld{};  ///< after the search; weld_online of a pipeline needs none here
     cardboard_options cardboard{.min_coverage = 0};  ///< none; its part is not read
     bake_options bake{};
     bool packs_tiles = true;  ///< else build_result::drawn is left for share_atlas
@@ -74,10 +78,12 @@ struct face_counts {
 /// How the planes of a part came about.
 struct part_result {
     face_counts faces{};
-    std::size_t plane_count = 0;       ///< that the search found
+    std::size_t plane_count = 0;       ///< that the search found, and refinement left
     std::size_t cardboard_planes = 0;  ///< that were added to them
     double epsilon = 0;                ///< scene units
     greedy_statistics statistics{};
+    whole_refinement_report refined{};  ///< of build_options::refines_whole
+    plane_curve curve{};                ///< of the planes that were found, welding not counted
 };
 
 /// A textured billboard cloud, and how it came about.
@@ -85,7 +91,7 @@ struct build_result {
     billboard_cloud cloud{};
     baked_cloud baked{};
     drawn_tiles drawn{};  ///< the tiles, where they were not packed
-    mesh kept{};  ///< the faces of no part, as they are in the source
+    mesh kept{};          ///< the faces of no part, as they are in the source
     face_counts faces{};
     greedy_statistics statistics{};    ///< sums over the parts; shares are of their common area
     std::vector<part_result> parts{};  ///< in the order of the plans

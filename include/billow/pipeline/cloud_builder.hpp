@@ -13,10 +13,12 @@
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/cloud/measure.hpp>
 #include <billow/cloud/merge.hpp>
+#include <billow/cloud/plane_order.hpp>
 #include <billow/core/expected.hpp>
 #include <billow/core/progress.hpp>
 #include <billow/improve/cardboard.hpp>
 #include <billow/improve/drawn_mesh.hpp>
+#include <billow/improve/refine_whole.hpp>
 #include <billow/improve/weld.hpp>
 #include <billow/mesh/face_table.hpp>
 #include <billow/mesh/select_faces.hpp>
@@ -69,9 +71,18 @@ public:
             found.cloud.epsilon = told.epsilon;
             found.cloud.plane_of_face.assign(source_.face_count(), no_id);
         } else {
-            found = find_planes(select_rows(faces_, rows, options_.threads), plan, method);
+            const face_table of_part = select_rows(faces_, rows, options_.threads);
+            found = find_planes(of_part, plan, method);
             told.epsilon = found.cloud.epsilon;
             rows_done_ += rows.size();
+            if (plan.refines_whole && found.moved.empty()) {
+                whole_refinement_options how = plan.whole;
+                how.least_cosine = least_cosine_of(method.policies.contribution);
+                told.refined = refine_whole(of_part, found.cloud, how, average_fit{},
+                                            options_.threads, progress_);
+                order_planes_by_area(of_part, found.cloud);
+            }
+            told.curve = curve_of(of_part, found.cloud);
         }
         count_faces(part, found.cloud, told.faces);
         told.plane_count = found.cloud.plane_count();

@@ -28,9 +28,16 @@ struct exact_method {
     double last_step = 0.15 * std::numbers::pi / 180;  ///< of that search, radians, > 0
 };
 
-/// Finds planes: density_method or exact_method.
+/// One of the two, chosen when the program runs.
+struct either_method {
+    bool is_exact = false;
+    exact_method exact{};
+};
+
+/// Finds planes.
 template <class M>
-concept search_method = std::same_as<M, density_method> || std::same_as<M, exact_method>;
+concept search_method = std::same_as<M, density_method> || std::same_as<M, exact_method> ||
+    std::same_as<M, either_method>;
 
 /// The parts of a pipeline that are chosen at compile time, each a value with its parameters:
 /// `pipeline{spherical(24), density_policies{}, svd_fit{}}`.

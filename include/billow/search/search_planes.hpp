@@ -29,10 +29,17 @@ template <class... Parts>
                                           const greedy_options& options,
                                           const pipeline<Parts...>& parts, parallel threads = {},
                                           const progress_function& progress = {}) {
-    if constexpr (std::same_as<std::remove_cvref_t<decltype(parts.search)>, exact_method>) {
-        return exact_search(std::move(faces), face_count, exact_options(options, parts.search),
-                            parts, threads, progress);
+    using method = std::remove_cvref_t<decltype(parts.search)>;
+    const auto search_exactly = [&](const exact_method& how) {
+        return exact_search(std::move(faces), face_count, exact_options(options, how), parts,
+                            threads, progress);
+    };
+    if constexpr (std::same_as<method, exact_method>) {
+        return search_exactly(parts.search);
     } else {
+        if constexpr (std::same_as<method, either_method>) {
+            if (parts.search.is_exact) return search_exactly(parts.search.exact);
+        }
         return greedy_search(std::move(faces), face_count, options, parts, threads, progress);
     }
 }
