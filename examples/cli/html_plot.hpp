@@ -4,21 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <numbers>
 #include <string>
 #include <vector>
 
 #include <billow/core/types.hpp>
 
-namespace cli {
+#include "html_text.hpp"
 
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-    char text[200];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
+namespace cli {
 
 /// Degrees above the horizon, +Y up.
 inline double elevation_deg(const billow::dvec3& direction) {

@@ -6,52 +6,20 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
-#include <map>
-#include <optional>
-#include <set>
-#include <span>
+#include <numbers>
+#include <string_view>
 #include <utility>
 
-#include <billow/bake/texture_sampler.hpp>
-#include <billow/image/mip_chain.hpp>
-#include <billow/io.hpp>
+#include <billow/image/srgb.hpp>
 #include <billow/metrics/difference_picture.hpp>
-#include <billow/metrics/picture.hpp>
-#include <billow/metrics/plane_colors.hpp>
 
 #include "html_page.hpp"
 #include "html_plot.hpp"
+#include "html_text.hpp"
 
 namespace cli {
 
 using namespace billow;
-
-std::string html_escaped(std::string_view text) {
-    std::string out;
-    for (const char c : text) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            case '\'':
-                out += "&#39;";
-                break;
-            default:
-                out += static_cast<unsigned char>(c) < 0x20 || c == 0x7f ? ' ' : c;
-        }
-    }
-    return out;
-}
 
 namespace {
 
@@ -78,6 +46,13 @@ constexpr std::array<metric_words, all_picture_metrics.size()> words_of_metrics{
     {"object_flip", "ꟻLIP of the object", "the same, over what is covered"},
 }};
 
+static_assert([] {
+    for (std::size_t i = 0; i < all_picture_metrics.size(); ++i) {
+        if (words_of_metrics[i].metric != all_picture_metrics[i].name) return false;
+    }
+    return true;
+}());
+
 std::string value_text(std::string_view unit, double value) {
     if (unit == "share") return formatted("%.2f %%", 100 * value);
     return formatted(unit == "flip" ? "%.4f" : "%.2f", value);
@@ -93,79 +68,17 @@ std::string direction_text(const dvec3& from) {
     return formatted("azimuth %.0f°, elevation %.0f°", azimuth, elevation_deg(from));
 }
 
-// ---- pictures
-
-std::string base64(std::span<const std::uint8_t> bytes) {
-    static constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t word = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            word = word << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-        }
-        for (std::size_t k = 0; k < 4; ++k) {
-            text += i + k > bytes.size() ? '=' : digits[word >> (18 - 6 * k) & 63];
-        }
-    }
-    return text;
-}
-
-/// A picture as the address of an img.
-std::string data_uri(const image& picture) {
-    return "data:image/png;base64," + base64(encode_png(picture));
-}
-
 std::string img(const std::string& uri, const std::string& alt, const std::string& rest = {}) {
     return "<img alt=\"" + html_escaped(alt) + "\" " + rest + "src=\"" + uri + "\">";
 }
 
-/// Addresses of a view's pictures.
-struct cloud_pictures {
-    std::string seen{};
-    std::string coverage{};
-    std::string color{};
-};
-struct view_pictures {
-    std::size_t view = 0;
-    std::string original{};
-    std::vector<cloud_pictures> clouds{};
-
-    [[nodiscard]] std::size_t size() const {
-        std::size_t sum = original.size();
-        for (const auto& c : clouds) sum += c.seen.size() + c.coverage.size() + c.color.size();
-        return sum;
-    }
-};
-
-/// An original and a cloud by the colours of planes.
-struct plane_pictures {
-    std::size_t cloud = 0;
-    std::string original{};
-    std::string seen{};
-};
-
-/// An atlas picture and what is drawn over it.
-struct atlas_picture {
-    std::size_t cloud = 0;
-    int width = 0;
-    int height = 0;
-    std::string uri{};
-    std::string planes{};
-};
-
 class page_writer {
 public:
     page_writer(const std::vector<compared_file>& files, const comparison& found,
-                const compare_options& options, parallel threads, const progress_function& progress)
-        : files_(files), found_(found), options_(options), threads_(threads), progress_(progress) {}
+                const compare_options& options, const page_pictures& pictures)
+        : files_(files), found_(found), options_(options), pictures_(pictures) {}
 
     [[nodiscard]] std::string run() {
-        report(progress_, "report", 0);
-        find_atlases();
-        find_planes();
-        draw_to_fit();
         write_head();
         write_costs();
         write_errors();
@@ -174,188 +87,16 @@ public:
         write_planes();
         write_atlases();
         out_ += "<script>" + std::string(page_script) + "</script>\n</body>\n</html>\n";
-        report(progress_, "report", 1);
         return std::move(out_);
     }
 
 private:
-    [[nodiscard]] const mesh& original() const { return *files_.front().drawn; }
-    [[nodiscard]] const mesh& cloud(std::size_t i) const { return *files_[i + 1].drawn; }
     [[nodiscard]] std::string name_of(std::size_t cloud) const {
         return html_escaped(files_[cloud + 1].name);
     }
     [[nodiscard]] const dvec3& direction(std::size_t view) const {
         return found_.cameras[view].axes.normal;
     }
-
-    // ---- pictures of views
-
-    /// Draws the views ever smaller until the page stays below its size.
-    void draw_to_fit() {
-        std::size_t used = 40'000;
-        for (const auto& a : atlases_) used += a.uri.size() + a.planes.size();
-        const std::size_t limit = largest_page > used ? largest_page - used : 0;
-        const std::vector<std::size_t> rows = telling_views(found_, files_.size() > 3 ? 4 : 6);
-        for (const double share : {1.0, 0.75, 0.5, 0.375, 0.25}) {
-            side_px_ = std::max(16, static_cast<int>(share * options_.size_px));
-            draw_views(rows);
-            draw_planes();
-            std::size_t size = 0;
-            for (const auto& v : views_) size += v.size();
-            for (const auto& p : planes_) size += p.original.size() + p.seen.size();
-            report(progress_, "report", share == 1 ? 0.5 : 0.9);
-            if (size <= limit) return;
-        }
-    }
-
-    [[nodiscard]] camera camera_of(std::size_t view) const {
-        return orbit_camera(found_.bounds, direction(view), options_.distance, side_px_);
-    }
-
-    void draw_views(const std::vector<std::size_t>& rows) {
-        const picture_options look;
-        views_.assign(rows.size(), {});
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            const auto seen = [&](const mesh& m) {
-                return render_view(render_scene(m, culls_backs(m)), camera_of(rows[i]),
-                                   {.supersample = options_.supersample}, threads_);
-            };
-            views_[i].view = rows[i];
-            const view_picture before = seen(original());
-            color_options blurring = options_.color;
-            blurring.sigma_px = std::max(1.0, blurring.sigma_px * side_px_ / options_.size_px);
-            const blurred_picture blurred = blur(before, blurring);
-            views_[i].original = data_uri(image_of(before, look.background));
-            for (std::size_t c = 0; c < found_.clouds.size(); ++c) {
-                const view_picture after = seen(cloud(c));
-                views_[i].clouds.push_back(
-                    {data_uri(image_of(after, look.background)),
-                     data_uri(coverage_picture(before, after)),
-                     data_uri(color_difference_picture(blurred, blur(after, blurring), hottest))});
-            }
-        }
-    }
-
-    // ---- planes
-
-    void find_planes() {
-        for (std::size_t c = 0; c < found_.clouds.size(); ++c) {
-            if (!found_.clouds[c].geometric) continue;
-            planes_.push_back({.cloud = c});
-            const nearest_planes& planes = found_.clouds[c].planes;
-            std::vector<std::uint32_t> ids = planes.planes.plane_of_face;
-            for (std::uint32_t& id : ids) {
-                if (id != no_id) id = planes.feature_of_plane[id];
-            }
-            colored_originals_.push_back(colored_by(original(), ids));
-            colored_clouds_.push_back(colored_by(cloud(c), features_of_faces(cloud(c))));
-        }
-    }
-
-    void draw_planes() {
-        const vec3 background = picture_options{}.background;
-        const std::size_t view = found_.cameras.size() * 3 / 8;  // a little above the horizon
-        for (std::size_t i = 0; i < planes_.size(); ++i) {
-            const auto seen = [&](const mesh& m, bool is_culled) {
-                return data_uri(
-                    image_of(render_view(render_scene(m, is_culled), camera_of(view), {}, threads_),
-                             background));
-            };
-            planes_[i].original = seen(colored_originals_[i], culls_backs(original()));
-            planes_[i].seen = seen(colored_clouds_[i], true);
-        }
-    }
-
-    // ---- atlases
-
-    void find_atlases() {
-        for (std::size_t c = 0; c < found_.clouds.size(); ++c) {
-            if (!found_.clouds[c].geometric) continue;
-            const mesh& m = cloud(c);
-            std::map<image_id, std::map<std::uint32_t, std::vector<face_id>>> faces_of;
-            const auto& features = found_.clouds[c].planes.feature_of_plane;
-            for (face_id face = 0; face < m.face_count(); ++face) {
-                const texture& t = m.material_of(face).base_color_texture;
-                const std::uint32_t feature = m.feature_ids[m.triangles[face].x];
-                const bool is_plane = std::binary_search(features.begin(), features.end(), feature);
-                if (!is_plane || t.image >= m.images.size() || m.images[t.image].empty() ||
-                    m.uv_sets[t.uv_set].empty()) {
-                    continue;
-                }
-                faces_of[t.image][feature].push_back(face);
-            }
-            for (const auto& [image, planes] : faces_of) add_atlas(c, m.images[image], planes);
-        }
-    }
-
-    void add_atlas(std::size_t c, const image& full,
-                   const std::map<std::uint32_t, std::vector<face_id>>& planes) {
-        atlas_picture added{.cloud = c, .width = full.width, .height = full.height};
-        const std::vector<image> chain = make_mip_chain(full, texel_kind::srgb_alpha);
-        const std::size_t share = largest_page / 3 / std::max<std::size_t>(1, found_.clouds.size());
-        for (const image& level : chain) {
-            if (std::max(level.width, level.height) > 1024) continue;
-            added.uri = data_uri(level);
-            if (added.uri.size() <= share) break;
-        }
-        for (const auto& [feature, faces] : planes) {
-            added.planes += plane_outline(cloud(c), feature, faces, full);
-        }
-        atlases_.push_back(std::move(added));
-    }
-
-    /// The faces of a plane in texels of the atlas, and the edges that only one of them has.
-    [[nodiscard]] static std::string plane_outline(const mesh& m, std::uint32_t feature,
-                                                   const std::vector<face_id>& faces,
-                                                   const image& atlas) {
-        using corner = std::pair<int, int>;  // tenths of a texel
-        std::set<std::array<corner, 3>> triangles;
-        vec2 low(1e30f);
-        vec2 high(-1e30f);
-        double area = 0;
-        for (const face_id face : faces) {
-            const texture& t = m.material_of(face).base_color_texture;
-            std::array<corner, 3> at;
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t vertex = m.triangles[face][static_cast<int>(k)];
-                const vec2 texel =
-                    transformed(t, m.uv_sets[t.uv_set][vertex]) * vec2(atlas.width, atlas.height);
-                low = glm::min(low, texel);
-                high = glm::max(high, texel);
-                at[k] = {static_cast<int>(std::lround(10 * std::clamp(texel.x, -1e6f, 1e6f))),
-                         static_cast<int>(std::lround(10 * std::clamp(texel.y, -1e6f, 1e6f)))};
-            }
-            std::sort(at.begin(), at.end());
-            if (!triangles.insert(at).second) continue;  // the other side of the same tile
-            const auto [a, b, c] = m.corners(face);
-            area += glm::length(glm::cross(dvec3(b) - dvec3(a), dvec3(c) - dvec3(a))) / 2;
-        }
-        std::map<std::pair<corner, corner>, int> edges;
-        std::string shape;
-        const auto point = [](char command, const corner& at) {
-            return formatted("%c%.5g %.5g", command, at.first / 10.0, at.second / 10.0);
-        };
-        for (const auto& t : triangles) {
-            shape += point('M', t[0]) + point('L', t[1]) + point('L', t[2]) + "Z";
-            for (const auto& e :
-                 {std::pair(t[0], t[1]), std::pair(t[1], t[2]), std::pair(t[0], t[2])}) {
-                ++edges[e];
-            }
-        }
-        std::string outline;
-        for (const auto& [edge, count] : edges) {
-            if (count == 1) outline += point('M', edge.first) + point('L', edge.second);
-        }
-        return formatted(
-                   "<g class=\"plane\" tabindex=\"0\" data-said=\"plane %u: %.0f × %.0f "
-                   "texels, %.4g square units\">",
-                   feature, static_cast<double>(high.x - low.x),
-                   static_cast<double>(high.y - low.y), area) +
-               "<path class=\"area\" d=\"" + shape + "\"/><path class=\"edge\" d=\"" + outline +
-               "\"/></g>\n";
-    }
-
-    // ---- the page
 
     void write_head() {
         const std::string name = html_escaped(files_.front().name);
@@ -544,7 +285,7 @@ private:
             swatch(colors.extra) +
             "extra. Colour: ΔE after a blur, 0 <span class=\"heat\">"
             "</span> " +
-            formatted("%.0f", hottest) + " and more.</p>\n";
+            formatted("%.0f", hottest_color) + " and more.</p>\n";
         if (found_.clouds.size() > 1) {
             out_ += "<p><label>Shown: <select id=\"cloud\">";
             for (std::size_t c = 0; c < found_.clouds.size(); ++c) {
@@ -552,7 +293,7 @@ private:
             }
             out_ += "</select></label></p>\n";
         }
-        for (const view_pictures& v : views_) {
+        for (const view_pictures& v : pictures_.views) {
             out_ += formatted("<article class=\"view\"><h3>View %zu: ", v.view) +
                     direction_text(direction(v.view)) + reasons(v.view) +
                     "</h3>\n<div class=\"row\"><figure><div class=\"slider\">" +
@@ -584,12 +325,12 @@ private:
     }
 
     void write_planes() {
-        if (planes_.empty()) return;
+        if (pictures_.planes.empty()) return;
         out_ +=
             "<h2>Planes</h2>\n<p>A colour for each plane: the original's faces by the nearest "
             "plane with a polygon over them, dark where there is none; the cloud's by their "
             "plane.</p>\n<div class=\"row\">\n";
-        for (const plane_pictures& p : planes_) {
+        for (const plane_pictures& p : pictures_.planes) {
             out_ += "<figure><div class=\"slider\">" + img(p.original, "original by planes") +
                     img(p.seen, "cloud by planes", "class=\"after\" ") +
                     "</div><input type=\"range\" min=\"0\" max=\"100\" step=\"any\" value=\"50\" "
@@ -600,10 +341,10 @@ private:
     }
 
     void write_atlases() {
-        if (atlases_.empty()) return;
+        if (pictures_.atlases.empty()) return;
         out_ += "<h2>Atlas</h2>\n<p>Base colour. Point at a plane to see its outline.</p>\n";
-        for (std::size_t i = 0; i < atlases_.size(); ++i) {
-            const atlas_picture& a = atlases_[i];
+        for (std::size_t i = 0; i < pictures_.atlases.size(); ++i) {
+            const atlas_picture& a = pictures_.atlases[i];
             out_ += "<h3>" + name_of(a.cloud) +
                     formatted(
                         ": %d × %d texels</h3>\n<p><label><input type=\"checkbox\" "
@@ -618,19 +359,10 @@ private:
         }
     }
 
-    static constexpr double hottest = 20;  // ΔE
-
     const std::vector<compared_file>& files_;
     const comparison& found_;
     const compare_options& options_;
-    parallel threads_;
-    const progress_function& progress_;
-    int side_px_ = 0;
-    std::vector<view_pictures> views_{};
-    std::vector<plane_pictures> planes_{};
-    std::vector<mesh> colored_originals_{};
-    std::vector<mesh> colored_clouds_{};
-    std::vector<atlas_picture> atlases_{};
+    const page_pictures& pictures_;
     std::string out_{};
 };
 
@@ -640,7 +372,8 @@ std::string html_report(const std::vector<compared_file>& files, const compariso
                         const compare_options& options, parallel threads,
                         const progress_function& progress) {
     BILLOW_ASSERT(files.size() == found.clouds.size() + 1);
-    return page_writer(files, found, options, threads, progress).run();
+    const page_pictures pictures = draw_pictures(files, found, options, threads, progress);
+    return page_writer(files, found, options, pictures).run();
 }
 
 }  // namespace cli
