@@ -17,6 +17,7 @@
 
 #include "html_report.hpp"
 #include "progress_line.hpp"
+#include "screen_options.hpp"
 #include "shared.hpp"
 
 namespace cli {
@@ -24,11 +25,6 @@ namespace {
 
 using namespace billow;
 using json = nlohmann::ordered_json;
-
-/// From where clouds may be looked at, radii. Closer the eye is in the model; farther ꟻLIP's filters
-/// are wider than the picture.
-constexpr double nearest_eye = 1.1;
-constexpr double farthest_eye = 200;
 
 struct compare_arguments {
     std::filesystem::path original{};
@@ -40,33 +36,6 @@ struct compare_arguments {
     unsigned threads = 0;
     bool is_quiet = false;
 };
-
-/// A length in scene units, or in radii with an R behind it.
-struct eye_distance {
-    double value = 0;
-    bool is_of_radius = false;
-};
-
-eye_distance parse_distance(const std::string& text) {
-    const bool is_of_radius = text.ends_with('R') || text.ends_with('r');
-    const auto value =
-        number_of(std::string_view(text).substr(0, text.size() - (is_of_radius ? 1 : 0)));
-    if (!value || !(*value > 0)) {
-        throw CLI::ValidationError("--distance", "'" + text +
-                                                     "' is neither radii such as 4R nor a length "
-                                                     "such as 12.5, greater than 0");
-    }
-    return {*value, is_of_radius};
-}
-
-/// Empty where the eye is well placed.
-std::string fault_of_distance(double radii) {
-    if (radii >= nearest_eye && radii <= farthest_eye) return {};
-    char text[120];
-    std::snprintf(text, sizeof text, "%.4g radii from the centre; it may be from %.4gR to %.4gR",
-                  radii, nearest_eye, farthest_eye);
-    return text;
-}
 
 json json_of(const statistic& of, const comparison& in) {
     json told;
@@ -179,7 +148,7 @@ void print_cloud(const cloud_comparison& cloud, const std::string& name) {
 }
 
 exit_code compare_files(compare_arguments& arguments) {
-    const eye_distance distance = parse_distance(arguments.distance);
+    const tolerance distance = parse_distance("--distance", arguments.distance);
     for (const auto* file : {&arguments.report, &arguments.json}) {
         if (file->empty()) continue;
         if (const auto writable = check_writable(*file); !writable) return fail(writable.error());
@@ -211,7 +180,7 @@ exit_code compare_files(compare_arguments& arguments) {
     const double radius = bounding_sphere_of(*files.front().drawn).radius;
     const bool is_in_radii = distance.is_of_radius || !(radius > 0);
     arguments.options.distance = is_in_radii ? distance.value : distance.value / radius;
-    if (const std::string fault = fault_of_distance(arguments.options.distance); !fault.empty()) {
+    if (const std::string fault = fault_of_eye(arguments.options.distance); !fault.empty()) {
         progress.clear();
         std::fprintf(stderr, "billow: --distance: %s is %s\n", arguments.distance.c_str(),
                      fault.c_str());
@@ -271,9 +240,9 @@ void check_names(const compare_arguments& a) {
     if (!a.report.empty() && is_same(a.report, a.json)) {
         throw CLI::ValidationError("--json", "is the file of --report");
     }
-    const eye_distance distance = parse_distance(a.distance);
+    const tolerance distance = parse_distance("--distance", a.distance);
     if (!distance.is_of_radius) return;
-    if (const std::string fault = fault_of_distance(distance.value); !fault.empty()) {
+    if (const std::string fault = fault_of_eye(distance.value); !fault.empty()) {
         throw CLI::ValidationError("--distance", fault);
     }
 }

@@ -1,6 +1,7 @@
 // The screen on which errors are counted in pixels, as options of a verb; distances as they are given.
 #pragma once
 
+#include <cstdio>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -55,6 +56,20 @@ inline billow::tolerance parse_distance(const char* option, const std::string& t
     }
     return is_of_radius ? billow::tolerance::of_radius(*value)
                         : billow::tolerance::scene_units(*value);
+}
+
+/// From where pictures may be taken, radii. Closer the eye is in the model; farther ꟻLIP's filters
+/// are wider than the picture.
+inline constexpr double nearest_eye = 1.1;
+inline constexpr double farthest_eye = 200;
+
+/// Empty where the eye is well placed for pictures.
+inline std::string fault_of_eye(double radii) {
+    if (radii >= nearest_eye && radii <= farthest_eye) return {};
+    char text[120];
+    std::snprintf(text, sizeof text, "%.4g radii from the centre; it may be from %.4gR to %.4gR",
+                  radii, nearest_eye, farthest_eye);
+    return text;
 }
 
 }  // namespace cli
