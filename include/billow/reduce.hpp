@@ -71,6 +71,49 @@ struct unique_corners {
     return result;
 }
 
+/// The faces that meshoptimizer kept, with the attributes of their vertices.
+[[nodiscard]] inline mesh mesh_of_kept(const mesh& m, const unique_corners& corners,
+                                       const std::vector<unsigned int>& kept) {
+    mesh reduced;
+    reduced.materials = m.materials;
+    reduced.images = m.images;
+    for_each_vertex_column(m, reduced, [&](const auto& from, auto& to) {
+        if (from.empty()) return;
+        for (const unsigned int v : corners.vertex_of) to.push_back(from[v]);
+    });
+    for (std::size_t i = 0; i < kept.size(); i += 3) {
+        reduced.triangles.emplace_back(kept[i], kept[i + 1], kept[i + 2]);
+        if (!corners.material.empty()) {
+            reduced.face_materials.push_back(corners.material[kept[i]]);
+        }
+    }
+    std::vector<face_id> all(reduced.face_count());
+    for (face_id face = 0; face < all.size(); ++face) all[face] = face;
+    return select_faces(reduced, all);
+}
+
+[[nodiscard]] inline std::size_t share_of_faces(const mesh& m, double share) noexcept {
+    return static_cast<std::size_t>(share * static_cast<double>(m.face_count()) + 0.5);
+}
+
+/// meshopt_simplifySloppy, which takes locks of vertices, too, in later releases.
+template <class Index>
+[[nodiscard]] std::size_t simplify_sloppily(Index* to, const Index* corners, std::size_t count,
+                                            const float* positions, std::size_t vertex_count,
+                                            std::size_t target, float& error) {
+    constexpr bool is_without_locks = requires {
+        meshopt_simplifySloppy(to, corners, count, positions, vertex_count, sizeof(vec3), target,
+                               1.0f, &error);
+    };
+    if constexpr (is_without_locks) {
+        return meshopt_simplifySloppy(to, corners, count, positions, vertex_count, sizeof(vec3),
+                                      target, 1.0f, &error);
+    } else {
+        return meshopt_simplifySloppy(to, corners, count, positions, vertex_count, sizeof(vec3),
+                                      nullptr, target, 1.0f, &error);
+    }
+}
+
 }  // namespace detail
 
 /// Collapses edges until about a share of the triangles is left. Vertices are chosen among those of
@@ -89,7 +132,7 @@ struct unique_corners {
     const detail::unique_corners corners = detail::find_unique_corners(m);
     const float* positions = &corners.positions[0].x;
     const std::size_t vertex_count = corners.positions.size();
-    const auto target = static_cast<std::size_t>(share * static_cast<double>(m.face_count()) + 0.5);
+    const std::size_t target = detail::share_of_faces(m, share);
     std::vector<unsigned int> kept(corners.corner.size());
     const auto scale =
         static_cast<double>(meshopt_simplifyScale(positions, vertex_count, sizeof(vec3)));
@@ -97,23 +140,33 @@ struct unique_corners {
     kept.resize(meshopt_simplify(kept.data(), corners.corner.data(), corners.corner.size(),
                                  positions, vertex_count, sizeof(vec3), 3 * target,
                                  static_cast<float>(std::min(1.0, max_error / scale)), 0, &error));
+    return {detail::mesh_of_kept(m, corners, kept), static_cast<double>(error) * scale};
+}
 
-    mesh reduced;
-    reduced.materials = m.materials;
-    reduced.images = m.images;
-    detail::for_each_vertex_column(m, reduced, [&](const auto& from, auto& to) {
-        if (from.empty()) return;
-        for (const unsigned int v : corners.vertex_of) to.push_back(from[v]);
-    });
-    for (std::size_t i = 0; i < kept.size(); i += 3) {
-        reduced.triangles.emplace_back(kept[i], kept[i + 1], kept[i + 2]);
-        if (!corners.material.empty()) {
-            reduced.face_materials.push_back(corners.material[kept[i]]);
-        }
-    }
-    std::vector<face_id> all(reduced.face_count());
-    for (face_id face = 0; face < all.size(); ++face) all[face] = face;
-    return {select_faces(reduced, all), static_cast<double>(error) * scale};
+/// Merges vertices within cells of a grid, whatever that tears or joins, until at most about a share
+/// of the triangles is left. It goes where reduce_mesh cannot: leaves and other loose parts merge,
+/// too. A face keeps the material that its first corner had.
+///
+/// Unit    share of the triangles, (0, 1].
+/// Needs   indices within bounds.
+/// Gives   often fewer triangles than asked for, down to none: faces within a cell vanish.
+/// Cost    O(faces).
+/// Source  J. Rossignac, P. Borrel: Multi-resolution 3D approximations for rendering complex scenes.
+///         Modeling in Computer Graphics 1993, which meshoptimizer's simplifySloppy builds upon.
+[[nodiscard]] inline reduced_mesh reduce_mesh_sloppily(const mesh& m, double share) {
+    BILLOW_ASSERT(share > 0 && share <= 1);
+    if (m.face_count() == 0 || share == 1) return {m, 0};
+    const detail::unique_corners corners = detail::find_unique_corners(m);
+    const float* positions = &corners.positions[0].x;
+    const std::size_t vertex_count = corners.positions.size();
+    std::vector<unsigned int> kept(corners.corner.size());
+    float error = 0;
+    kept.resize(detail::simplify_sloppily(kept.data(), corners.corner.data(), corners.corner.size(),
+                                          positions, vertex_count,
+                                          3 * detail::share_of_faces(m, share), error));
+    const auto scale =
+        static_cast<double>(meshopt_simplifyScale(positions, vertex_count, sizeof(vec3)));
+    return {detail::mesh_of_kept(m, corners, kept), static_cast<double>(error) * scale};
 }
 
 }  // namespace billow::inline BILLOW_ABI

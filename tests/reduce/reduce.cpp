@@ -124,4 +124,37 @@ TEST_SUITE("reduce") {
         CHECK(reduce_mesh(support::triangles({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}), 0.5)
                   .mesh.face_count() <= 1);
     }
+    TEST_CASE("merged sloppily, facets with normals of their own become as few as asked for") {
+        const mesh ball = icosphere(4);
+        mesh facets;
+        for (face_id face = 0; face < ball.face_count(); ++face) {
+            const auto corners = ball.corners(face);
+            const vec3 normal = glm::normalize(corners[0] + corners[1] + corners[2]);
+            for (const vec3& p : corners) {
+                facets.positions.push_back(p);
+                facets.normals.push_back(normal);
+            }
+            facets.triangles.push_back(uvec3(0, 1, 2) + 3u * face);
+        }
+        CHECK(reduce_mesh(facets, 0.05).mesh.face_count() > 0.5 * 5120);
+        const reduced_mesh merged = reduce_mesh_sloppily(facets, 0.05);
+        CHECK(merged.mesh.face_count() > 50);
+        CHECK(merged.mesh.face_count() <= 256);
+        CHECK(merged.error > 0);
+        CHECK(validate(merged.mesh));
+    }
+    TEST_CASE("merged sloppily, every vertex keeps its attributes and every face a material") {
+        const mesh trunk = trunk_of_a_tree();
+        const mesh merged = reduce_mesh_sloppily(trunk, 0.3).mesh;
+        REQUIRE(validate(merged));
+        CHECK(merged.face_count() <= 0.31 * static_cast<double>(trunk.face_count()));
+        CHECK(merged.images == trunk.images);
+        std::set<std::vector<float>> known;
+        for (std::uint32_t v = 0; v < trunk.vertex_count(); ++v) known.insert(row_of(trunk, v));
+        for (std::uint32_t v = 0; v < merged.vertex_count(); ++v) {
+            CHECK(known.count(row_of(merged, v)) == 1);
+        }
+        CHECK(reduce_mesh_sloppily(mesh{}, 0.5).mesh.face_count() == 0);
+        CHECK(reduce_mesh_sloppily(trunk, 1).mesh.triangles == trunk.triangles);
+    }
 }
