@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
     cli::add_compare(tool, result);
     cli::add_inspect(tool, result);
     cli::add_lod(tool, result);
+    cli::add_sweep(tool, result);
     cli::add_atlas(tool, result);
     try {
         tool.parse(argc, argv);

@@ -162,9 +162,12 @@ void print_view(const finished_build& of) {
         seen.distance, choice.pixel, choice.epsilon,
         radius > 0 ? 100 * choice.epsilon / radius : 0.0, choice.texel_size,
         2 * radius / choice.texel_size);
+    const double off = seen_errors(of).max_px;
     std::printf(
-        "distance: the object is %.0f pixels high there; vertices are off by %.3g at most\n",
-        choice.object_px, seen_errors(of).max_px);
+        "distance: the object is %.0f pixels high there; vertices are off by %.3g pixels at "
+        "most%s\n",
+        choice.object_px, off,
+        off > 1.001 * choice.error_px ? ", some beyond epsilon: welding moves them" : "");
     if (choice.epsilon > choice.wanted_epsilon) {
         std::printf(
             "note: epsilon stays at %.3g %% of the radius, which covers %.3g pixels there; closer "

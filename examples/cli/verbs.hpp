@@ -17,6 +17,7 @@ void add_build(CLI::App& tool, exit_code& result);
 void add_compare(CLI::App& tool, exit_code& result);
 void add_inspect(CLI::App& tool, exit_code& result);
 void add_lod(CLI::App& tool, exit_code& result);
+void add_sweep(CLI::App& tool, exit_code& result);
 void add_atlas(CLI::App& tool, exit_code& result);
 
 }  // namespace cli

@@ -123,6 +123,7 @@ expect_match("${out}" "1 planes|1 plane,")
 
 include("${CMAKE_CURRENT_LIST_DIR}/lod.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/planes.cmake")
+include("${CMAKE_CURRENT_LIST_DIR}/sweep.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/mips.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/textures.cmake")
 include("${CMAKE_CURRENT_LIST_DIR}/compare.cmake")
