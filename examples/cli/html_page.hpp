@@ -55,6 +55,7 @@ figcaption { font-size: .85rem; }
 .said { min-height: 1.5em; color: var(--ink); }
 .heat { display: inline-block; width: 9rem; height: .7rem; vertical-align: middle;
   background: linear-gradient(90deg, #0d0d40, #66146b, #cc3d47, #f79429, #fcf5a3); }
+.scale { white-space: nowrap; }
 .swatch { display: inline-block; width: .8rem; height: .8rem; vertical-align: middle;
   margin-right: .2rem; }
 svg.plot { width: 30rem; max-width: 92vw; background: var(--card); }

@@ -283,9 +283,9 @@ private:
             "<h2>Views</h2>\n<p>Left of the bar the original, right of it the cloud. Coverage: " +
             swatch(colors.both) + "both, " + swatch(colors.missing) + "missing, " +
             swatch(colors.extra) +
-            "extra. Colour: ΔE after a blur, 0 <span class=\"heat\">"
+            "extra. Colour: ΔE after a blur, <span class=\"scale\">0 <span class=\"heat\">"
             "</span> " +
-            formatted("%.0f", hottest_color) + " and more.</p>\n";
+            formatted("%.0f", hottest_color) + " and more.</span></p>\n";
         if (found_.clouds.size() > 1) {
             out_ += "<p><label>Shown: <select id=\"cloud\">";
             for (std::size_t c = 0; c < found_.clouds.size(); ++c) {

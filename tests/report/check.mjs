@@ -11,6 +11,8 @@ let faults = files.length === 0 ? 1 : 0;
 
 async function check(file, colorScheme) {
   const page = await browser.newPage({ colorScheme, viewport: { width: 1200, height: 900 } });
+  page.setDefaultTimeout(5000);
+  page.setDefaultNavigationTimeout(60000);
   const complain = (text) => {
     console.log(`${file}, ${colorScheme}: ${text}`);
     ++faults;
