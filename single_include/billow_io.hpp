@@ -316,6 +316,7 @@ namespace billow::inline BILLOW_ABI {
 #include <cstring>
 #include <filesystem>
 #include <map>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -588,10 +589,17 @@ namespace detail {
 
 namespace billow::inline BILLOW_ABI {
 
+/// A node of its own for some faces of a mesh.
+struct glb_node {
+    std::string name{};
+    std::vector<face_id> faces{};
+};
+
 struct glb_options {
-    std::string name{};    ///< of mesh and node; empty: none
-    std::string extras{};  ///< JSON text that asset.extras will hold; empty: none
-    parallel threads{};    ///< images are encoded in parallel
+    std::string name{};             ///< of mesh and node; empty: none
+    std::vector<glb_node> nodes{};  ///< none: one node for all faces, called `name`
+    std::string extras{};           ///< JSON text that asset.extras will hold; empty: none
+    parallel threads{};             ///< images are encoded in parallel
 };
 
 namespace detail {
@@ -611,20 +619,23 @@ public:
             root_["asset"]["extras"] = json::parse(options_.extras, nullptr, false);
         }
         root_["scene"] = 0;
-        write_primitives();
-        if (primitives_.empty()) {
+        write_nodes();
+        if (meshes_.empty()) {
             root_["scenes"] = json::array({json::object()});
         } else {
             write_images();
-            json named = json::object();
-            if (!options_.name.empty()) named["name"] = options_.name;
-            root_["scenes"] = json::array({{{"nodes", {0}}}});
-            json node = named;
-            node["mesh"] = 0;
-            root_["nodes"] = json::array({std::move(node)});
-            json mesh = std::move(named);
-            mesh["primitives"] = std::move(primitives_);
-            root_["meshes"] = json::array({std::move(mesh)});
+            json ids = json::array();
+            json nodes = json::array();
+            for (std::size_t i = 0; i < meshes_.size(); ++i) {
+                json node = json::object();
+                if (meshes_[i].contains("name")) node["name"] = meshes_[i]["name"];
+                node["mesh"] = i;
+                ids.push_back(i);
+                nodes.push_back(std::move(node));
+            }
+            root_["scenes"] = json::array({{{"nodes", std::move(ids)}}});
+            root_["nodes"] = std::move(nodes);
+            root_["meshes"] = std::move(meshes_);
             for (auto* part :
                  {&materials_, &textures_, &samplers_, &images_, &accessors_, &views_}) {
                 if (!part->second.empty()) root_[part->first] = std::move(part->second);
@@ -665,9 +676,29 @@ private:
 
     // ---- faces
 
-    void write_primitives() {
+    void write_nodes() {
+        if (!options_.nodes.empty()) {
+            for (const glb_node& node : options_.nodes) write_mesh(node.name, node.faces);
+            return;
+        }
+        std::vector<face_id> all(mesh_.face_count());
+        std::iota(all.begin(), all.end(), face_id{0});
+        write_mesh(options_.name, all);
+    }
+
+    /// A mesh of these faces, and its node; nothing where there are none.
+    void write_mesh(const std::string& name, const std::vector<face_id>& faces) {
+        if (faces.empty()) return;
+        json mesh = json::object();
+        if (!name.empty()) mesh["name"] = name;
+        mesh["primitives"] = write_primitives(faces);
+        meshes_.push_back(std::move(mesh));
+    }
+
+    [[nodiscard]] json write_primitives(const std::vector<face_id>& mesh_faces) {
+        json primitives = json::array();
         std::map<material_id, std::vector<face_id>> faces_of;
-        for (face_id face = 0; face < mesh_.face_count(); ++face) {
+        for (const face_id face : mesh_faces) {
             const material_id id = mesh_.face_materials.empty() ? 0 : mesh_.face_materials[face];
             faces_of[id < mesh_.materials.size() ? id : no_id].push_back(face);
         }
@@ -687,10 +718,11 @@ private:
                 }
             }
             for (const std::uint32_t v : vertices) new_ids[v] = no_id;
-            primitives_.push_back({{"attributes", write_vertices(vertices)},
-                                   {"indices", write_indices(indices, vertices.size())},
-                                   {"material", write_material(material)}});
+            primitives.push_back({{"attributes", write_vertices(vertices)},
+                                  {"indices", write_indices(indices, vertices.size())},
+                                  {"material", material_row(material)}});
         }
+        return primitives;
     }
 
     std::size_t write_indices(const std::vector<std::uint32_t>& indices, std::size_t vertex_count) {
@@ -738,6 +770,13 @@ private:
     }
 
     // ---- materials
+
+    /// Each material is written once, when it is met first.
+    std::size_t material_row(material_id id) {
+        const auto [known, is_new] = material_rows_.try_emplace(id, 0);
+        if (is_new) known->second = write_material(id);
+        return known->second;
+    }
 
     std::size_t write_material(material_id id) {
         static const material plain{.metallic = 0};
@@ -870,7 +909,8 @@ private:
     const mesh& mesh_;
     const glb_options& options_;
     json root_ = json::object();
-    json primitives_ = json::array();
+    json meshes_ = json::array();
+    std::map<material_id, std::size_t> material_rows_{};
     section accessors_{"accessors", json::array()};
     section views_{"bufferViews", json::array()};
     section materials_{"materials", json::array()};
@@ -885,8 +925,8 @@ private:
 
 }  // namespace detail
 
-/// The bytes of a .glb that holds the mesh: one node, one primitive a material in use, images as
-/// PNG. Same mesh, same bytes, for any number of threads.
+/// The bytes of a .glb that holds the mesh: one node, or those that are asked for; in each one
+/// primitive a material in use; images as PNG. Same mesh, same bytes, for any number of threads.
 ///
 /// Shape   faces in their order within a material; `feature_ids` as _FEATURE_ID_0.
 /// Fails   invalid_options: extras that are not JSON; too_large: beyond the 4 GiB of a GLB; and as
@@ -3097,21 +3137,21 @@ struct mip_files {
     for (std::size_t id = 0; id < mips.size(); ++id) {
         const atlas_mips& of = mips[id];
         files.safe_levels = id == 0 ? of.safe_levels : std::min(files.safe_levels, of.safe_levels);
-        const auto name = [&](std::string_view channel, const std::string& ending) {
+        const auto name = [&](std::string_view map, const std::string& ending) {
             std::filesystem::path file = stem;
             if (id > 0) file += "_" + std::to_string(id);
-            file += "_" + std::string(channel) + ending;
+            file += "_" + std::string(map) + ending;
             return file;
         };
-        struct channel {
+        struct map_levels {
             std::string_view name{};
             std::span<const image> levels{};
             bool is_srgb = false;
         };
-        for (const channel& c :
-             {channel{"basecolor", of.base_color, true}, channel{"normal", of.normal},
-              channel{"orm", of.occlusion_roughness_metallic},
-              channel{"emissive", of.emissive, true}, channel{"horizon", of.horizon}}) {
+        for (const map_levels& c :
+             {map_levels{"basecolor", of.base_color, true}, map_levels{"normal", of.normal},
+              map_levels{"orm", of.occlusion_roughness_metallic},
+              map_levels{"emissive", of.emissive, true}, map_levels{"horizon", of.horizon}}) {
             if (c.levels.empty()) continue;
             if (format == mip_format::dds) {
                 files.names.push_back(name(c.name, ".dds"));

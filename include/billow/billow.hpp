@@ -19,6 +19,7 @@
 #include <billow/geometry/plane_intersection.hpp>
 #include <billow/geometry/ray_tree.hpp>
 #include <billow/geometry/rectangle.hpp>
+#include <billow/geometry/screen.hpp>
 
 #include <billow/image/alpha_coverage.hpp>
 #include <billow/image/distance_field.hpp>
@@ -65,6 +66,7 @@
 #include <billow/policy/falloff.hpp>
 #include <billow/policy/orientation_bias.hpp>
 #include <billow/policy/penalty.hpp>
+#include <billow/policy/tangency.hpp>
 #include <billow/policy/validity.hpp>
 
 #include <billow/density/falloff_kernel.hpp>
@@ -76,24 +78,39 @@
 #include <billow/cloud/fit_billboards.hpp>
 #include <billow/cloud/measure.hpp>
 #include <billow/cloud/merge.hpp>
+#include <billow/cloud/plane_order.hpp>
 
 #include <billow/search/compact.hpp>
+#include <billow/search/direction_search.hpp>
+#include <billow/search/exact_search.hpp>
 #include <billow/search/face_sets.hpp>
 #include <billow/search/fail_safe.hpp>
 #include <billow/search/greedy.hpp>
 #include <billow/search/grouping.hpp>
+#include <billow/search/lazy_directions.hpp>
 #include <billow/search/leftovers.hpp>
 #include <billow/search/motion.hpp>
+#include <billow/search/offset_block.hpp>
+#include <billow/search/offset_sweep.hpp>
 #include <billow/search/parts.hpp>
 #include <billow/search/plane_budget.hpp>
 #include <billow/search/plane_distribution.hpp>
+#include <billow/search/plane_sequence.hpp>
 #include <billow/search/refine.hpp>
+#include <billow/search/search_planes.hpp>
 #include <billow/search/weld_online.hpp>
 #include <billow/search/weld_planes.hpp>
 
 #include <billow/improve/cardboard.hpp>
 #include <billow/improve/drawn_mesh.hpp>
 #include <billow/improve/envelope.hpp>
+#include <billow/improve/exchange.hpp>
+#include <billow/improve/joint_plane.hpp>
+#include <billow/improve/merge_planes.hpp>
+#include <billow/improve/plane_cover.hpp>
+#include <billow/improve/reassign.hpp>
+#include <billow/improve/refine_whole.hpp>
+#include <billow/improve/serve_most.hpp>
 #include <billow/improve/weld.hpp>
 
 #include <billow/bake/bake_cloud.hpp>
@@ -105,18 +122,53 @@
 #include <billow/bake/mips.hpp>
 #include <billow/bake/occlusion.hpp>
 #include <billow/bake/pack.hpp>
+#include <billow/bake/pack_search.hpp>
+#include <billow/bake/pack_skyline.hpp>
+#include <billow/bake/place_tiles.hpp>
+#include <billow/bake/row_alpha.hpp>
+#include <billow/bake/side_difference.hpp>
 #include <billow/bake/sky_sites.hpp>
 #include <billow/bake/sky_table.hpp>
 #include <billow/bake/surface.hpp>
 #include <billow/bake/texel.hpp>
 #include <billow/bake/texture_sampler.hpp>
+#include <billow/bake/tile_alpha.hpp>
+#include <billow/bake/tile_drawer.hpp>
+#include <billow/bake/tile_outline.hpp>
+#include <billow/bake/tile_picture.hpp>
 #include <billow/bake/visibility.hpp>
 
+#include <billow/metrics/baselines.hpp>
+#include <billow/metrics/camera.hpp>
+#include <billow/metrics/channel.hpp>
+#include <billow/metrics/color_error.hpp>
+#include <billow/metrics/compare.hpp>
+#include <billow/metrics/coverage_error.hpp>
+#include <billow/metrics/difference_picture.hpp>
+#include <billow/metrics/displacement.hpp>
+#include <billow/metrics/draw_cost.hpp>
+#include <billow/metrics/flip.hpp>
+#include <billow/metrics/gap.hpp>
+#include <billow/metrics/geometric_error.hpp>
+#include <billow/metrics/lab.hpp>
+#include <billow/metrics/nearest_planes.hpp>
 #include <billow/metrics/picture.hpp>
+#include <billow/metrics/plane_colors.hpp>
+#include <billow/metrics/projected_faces.hpp>
+#include <billow/metrics/render.hpp>
+#include <billow/metrics/render_scene.hpp>
+#include <billow/metrics/sample_tile.hpp>
+#include <billow/metrics/sample_view.hpp>
+#include <billow/metrics/statistic.hpp>
+#include <billow/metrics/view_directions.hpp>
+#include <billow/metrics/view_errors.hpp>
+#include <billow/metrics/view_picture.hpp>
 
 #include <billow/pipeline.hpp>
 #include <billow/pipeline/build_result.hpp>
+#include <billow/pipeline/choose.hpp>
 #include <billow/pipeline/cloud_builder.hpp>
+#include <billow/pipeline/shared_atlas.hpp>
 
 #include <billow/lod/chain.hpp>
 #include <billow/lod/displacement.hpp>
