@@ -40,13 +40,13 @@ macro(billow_find_core missing)
     billow_find(${missing} TARGET glm::glm PACKAGE glm APT libglm-dev BREW glm VCPKG glm)
     billow_find(${missing} TARGET Eigen3::Eigen PACKAGE Eigen3
         APT libeigen3-dev BREW eigen VCPKG eigen3)
-    billow_find(${missing} TARGET billow::stb HEADER stb_rect_pack.h APT libstb-dev VCPKG stb)
 endmacro()
 
 # What billow::io needs beyond billow::billow.
 macro(billow_find_io missing)
     billow_find(${missing} TARGET nlohmann_json::nlohmann_json PACKAGE nlohmann_json
         APT nlohmann-json3-dev BREW nlohmann-json VCPKG nlohmann-json)
+    billow_find(${missing} TARGET billow::stb HEADER stb_image.h APT libstb-dev VCPKG stb)
     billow_find(${missing} TARGET billow::tinygltf HEADER tiny_gltf.h
         APT libtinygltf-dev VCPKG tinygltf)
     billow_find(${missing} TARGET billow::tinyobjloader HEADER tiny_obj_loader.h

@@ -42,7 +42,6 @@ RESERVED = {
     r"immintrin\.h|arm_neon\.h": r"core/simd\.hpp",
     r"omp\.h": r"core/parallel\.hpp",
     r"Eigen/.*": r"fit/.*",
-    r"stb_rect_pack\.h": r"bake/pack\.hpp",
     r"tiny_.*|stb_image.*|nlohmann/.*": r"io/.*|io\.hpp",
     r"libdeflate\.h": r"io/png_file\.hpp",
     r"meshoptimizer\.h": r"reduce\.hpp",
