@@ -142,12 +142,12 @@ std::string svg_axes(const chart& of, const chart_scale& x, const chart_scale& y
     for (const double mark : x.marks()) {
         text += formatted("<path class=\"grid\" d=\"M%.1f %.1fV%.1f\"/>", x.at(mark), plot_top,
                           plot_bottom);
-        text += svg_words(x.at(mark), plot_bottom + 18, "middle", formatted("%.4g", mark));
+        text += svg_words(x.at(mark), plot_bottom + 18, "middle", formatted("%.6g", mark));
     }
     for (const double mark : y.marks()) {
         text += formatted("<path class=\"grid\" d=\"M%.1f %.1fH%.1f\"/>", plot_left, y.at(mark),
                           plot_right);
-        text += svg_words(plot_left - 6, y.at(mark) + 4, "end", formatted("%.4g", mark));
+        text += svg_words(plot_left - 6, y.at(mark) + 4, "end", formatted("%.6g", mark));
     }
     text += formatted("<path class=\"edge\" d=\"M%.1f %.1fV%.1fH%.1f\"/>\n", plot_left, plot_top,
                       plot_bottom, plot_right);

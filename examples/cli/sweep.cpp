@@ -18,11 +18,8 @@
 #include "cloud_options.hpp"
 #include "manifest.hpp"
 #include "progress_line.hpp"
-#include "screen_options.hpp"
 #include "shared.hpp"
-#include "svg_chart.hpp"
-#include "sweep_axis.hpp"
-#include "sweep_state.hpp"
+#include "sweep_files.hpp"
 
 namespace cli {
 namespace {
@@ -30,62 +27,8 @@ namespace {
 using namespace billow;
 using sweep_json = nlohmann::ordered_json;
 
-struct sweep_arguments {
-    std::filesystem::path input{};
-    std::filesystem::path output{};  ///< what the names of all files start with
-    std::string distance = "4R";
-    compare_options look{.size_px = 256};
-    screen_options seen{};
-    std::array<std::vector<std::string>, axis_kinds.size()> given{};  ///< values, by axis_kinds
-    unsigned threads = 0;
-    bool is_quiet = false;
-
-    [[nodiscard]] std::filesystem::path file(const char* ending) const {
-        auto name = output;
-        return name += ending;
-    }
-};
-
 /// What is swept when neither epsilon nor planes are given.
 constexpr const char* usual_epsilons = "2%:20%:8";
-constexpr std::size_t most_configurations = 10000;
-
-/// The options of clouds of a verb and those of them that take several values.
-struct sweep_plan {
-    std::vector<const CLI::Option*> of_cloud{};
-    std::vector<sweep_axis> axes{};
-
-    [[nodiscard]] std::size_t count() const {
-        std::size_t all = 1;
-        for (const sweep_axis& axis : axes) {
-            all = std::min(most_configurations + 1, all * axis.values.size());
-        }
-        return all;
-    }
-    [[nodiscard]] const std::string& value(std::size_t configuration, std::size_t axis) const {
-        std::size_t after = 1;
-        for (std::size_t i = axis + 1; i < axes.size(); ++i) after *= axes[i].values.size();
-        const auto& values = axes[axis].values;
-        return values[configuration / after % values.size()];
-    }
-    void set(std::size_t configuration) const {
-        for (std::size_t i = 0; i < axes.size(); ++i) axes[i].set(value(configuration, i));
-    }
-    /// What differs between configurations, as it is written: "--texels 64 --epsilon 2%".
-    [[nodiscard]] std::string label(std::size_t configuration) const {
-        std::string text;
-        for (std::size_t i = 0; i < axes.size(); ++i) {
-            if (axes[i].values.size() < 2) continue;
-            text += (text.empty() ? "" : " ") + axes[i].option->get_name() + " " +
-                    value(configuration, i);
-        }
-        return text;
-    }
-};
-
-std::string column_of(const CLI::Option& option) {
-    return option.get_name().substr(2);  // without --
-}
 
 /// All that numbers depend on, as the options stand, but for the input.
 sweep_json sweep_key(const sweep_plan& plan, const sweep_arguments& arguments) {
@@ -132,155 +75,6 @@ sweep_json sweep_numbers(const mesh& source, const build_result& built, const me
         add(std::string(metric.name), cloud.errors.*metric.over_views);
     }
     return numbers;
-}
-
-/// Scene units from the centre, from where on an error of a row covers at most the pixels given.
-double row_distance(const sweep_row& row, const char* error, double radius,
-                    const screen_options& seen) {
-    return distance_for_pixels(row.numbers.at(error).get<double>(), radius, seen.pixel_error,
-                               seen.screen());
-}
-
-/// A finished sweep.
-struct finished_sweep {
-    const sweep_arguments& arguments;
-    const sweep_plan& plan;
-    const mesh& source;
-    bounding_sphere bounds{};
-    std::vector<sweep_row> rows{};  ///< by configuration
-};
-
-std::string sweep_csv(const finished_sweep& of) {
-    std::string text;
-    const auto number = [](const sweep_json& value) {
-        char written[40];
-        std::snprintf(written, sizeof written, "%.9g", value.get<double>());
-        return std::string(written);
-    };
-    for (const sweep_axis& axis : of.plan.axes) text += column_of(*axis.option) + ",";
-    for (const auto& entry : of.rows.front().numbers.items()) text += entry.key() + ",";
-    text += "distance_by_max,distance_by_mean";
-    for (const auto& entry : of.rows.front().seconds.items()) text += ",seconds_" + entry.key();
-    text += "\n";
-    for (std::size_t i = 0; i < of.rows.size(); ++i) {
-        const sweep_row& row = of.rows[i];
-        for (std::size_t axis = 0; axis < of.plan.axes.size(); ++axis) {
-            text += of.plan.value(i, axis) + ",";
-        }
-        for (const auto& entry : row.numbers.items()) text += number(entry.value()) + ",";
-        const screen_options& seen = of.arguments.seen;
-        text += number(row_distance(row, "geometric_max", of.bounds.radius, seen)) + ",";
-        text += number(row_distance(row, "geometric_mean", of.bounds.radius, seen));
-        for (const auto& entry : row.seconds.items()) text += "," + number(entry.value());
-        text += "\n";
-    }
-    return text;
-}
-
-/// Keys in a fixed order, no times, no folders.
-std::string sweep_report(const finished_sweep& of) {
-    sweep_json told;
-    told["schema"] = "billow-sweep/1";
-    told["generator"] = "billow " BILLOW_VERSION;
-    sweep_json& input = told["input"];
-    input["file"] = of.arguments.input.filename().string();
-    input["triangles"] = of.source.face_count();
-    input["texture_bytes"] = texture_bytes_of(of.source).level_0;
-    input["bounds"] = sphere_json(of.bounds);
-    sweep_json& look = told["look"];
-    look["views"] = of.arguments.look.views;
-    look["size"] = of.arguments.look.size_px;
-    look["distance_radii"] = of.arguments.look.distance;
-    look["screen"] = of.arguments.seen.height_px;
-    look["fov"] = of.arguments.seen.fov_degrees;
-    look["pixel_error"] = of.arguments.seen.pixel_error;
-    sweep_json& axes = told["axes"] = sweep_json::array();
-    for (const sweep_axis& axis : of.plan.axes) {
-        sweep_json one;
-        one["option"] = column_of(*axis.option);
-        one["values"] = axis.values;
-        axes.push_back(std::move(one));
-    }
-    sweep_json& rows = told["rows"] = sweep_json::array();
-    for (std::size_t i = 0; i < of.rows.size(); ++i) {
-        const sweep_row& row = of.rows[i];
-        sweep_json one;
-        for (std::size_t axis = 0; axis < of.plan.axes.size(); ++axis) {
-            one["options"][column_of(*of.plan.axes[axis].option)] = of.plan.value(i, axis);
-        }
-        one.update(row.numbers);
-        const screen_options& seen = of.arguments.seen;
-        one["distance_by_max"] = row_distance(row, "geometric_max", of.bounds.radius, seen);
-        one["distance_by_mean"] = row_distance(row, "geometric_mean", of.bounds.radius, seen);
-        rows.push_back(std::move(one));
-    }
-    return told.dump(2, ' ', false, sweep_json::error_handler_t::replace) + "\n";
-}
-
-/// The axis that curves run along: epsilon, or planes, or what else has several values.
-std::size_t curve_axis(const sweep_plan& plan) {
-    std::size_t chosen = 0;
-    for (std::size_t i = 0; i < plan.axes.size(); ++i) {
-        if (plan.axes[i].values.size() > 1) chosen = i;  // these two are the last
-    }
-    return chosen;
-}
-
-/// Rows as curves, a curve for each setting of the other axes, by ascending x.
-template <class X, class Y>
-std::vector<chart_series> sweep_series(const finished_sweep& of, const X& x, const Y& y) {
-    const std::size_t along = curve_axis(of.plan);
-    std::vector<chart_series> series;
-    for (std::size_t i = 0; i < of.rows.size(); ++i) {
-        std::string name;
-        for (std::size_t axis = 0; axis < of.plan.axes.size(); ++axis) {
-            if (axis == along || of.plan.axes[axis].values.size() < 2) continue;
-            name += (name.empty() ? "" : ", ") + column_of(*of.plan.axes[axis].option) + " " +
-                    of.plan.value(i, axis);
-        }
-        auto to = std::ranges::find(series, name, &chart_series::name);
-        if (to == series.end()) to = series.insert(to, {name, {}});
-        to->points.push_back({x(of.rows[i]), y(of.rows[i]), of.plan.label(i)});
-    }
-    for (chart_series& each : series) {
-        std::ranges::stable_sort(each.points, {}, &chart_point::x);
-    }
-    return series;
-}
-
-std::string sweep_drawing(const finished_sweep& of) {
-    const auto number = [](const char* name, double scale = 1) {
-        return [name, scale](const sweep_row& row) {
-            return scale * row.numbers.at(name).get<double>();
-        };
-    };
-    const auto planes = number("planes");
-    const screen_options& seen = of.arguments.seen;
-    const auto distance = [&](const sweep_row& row) {
-        return row_distance(row, "geometric_max", of.bounds.radius, seen);
-    };
-    const chart_axis by_planes{"planes", true};
-    char pixels[80];
-    std::snprintf(pixels, sizeof pixels, "Distance from which no vertex is off by over %.3g px",
-                  seen.pixel_error);
-    const std::vector<chart> charts{
-        {"Silhouette: coverage error, mean of views",
-         by_planes,
-         {"% of the original", false},
-         sweep_series(of, planes, number("coverage_mean", 100))},
-        {"All that is seen: object ꟻLIP, mean of views",
-         by_planes,
-         {"0 to 1", false},
-         sweep_series(of, planes, number("object_flip_mean"))},
-        {"Geometric error, largest",
-         by_planes,
-         {"% of the radius", true},
-         sweep_series(of, planes, number("geometric_max_of_radius", 100))},
-        {pixels,
-         by_planes,
-         {"scene units from the centre", true},
-         sweep_series(of, planes, distance)}};
-    return svg_of(of.arguments.input.filename().string() + ": planes, error, distance", charts);
 }
 
 /// Tells how far configuration `at` of `count` is: most time goes to these three.
