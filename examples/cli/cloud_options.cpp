@@ -26,8 +26,9 @@ recipe solid_recipe(const std::string& preset) {
 recipe foliage_recipe(const std::string& preset) {
     if (preset == "classic") return recipe_of(presets::classic());
     if (preset == "thesis") return recipe_of(presets::thesis(model_kind::foliage));
+    if (preset == "tree") return recipe_of(presets::tree().foliage);
     if (preset == "solid") return recipe_of(presets::solid());
-    return recipe_of(presets::tree().foliage);
+    return recipe_of(presets::exact_tree().foliage);
 }
 
 recipe trunk_recipe(const std::string& preset) {
@@ -189,10 +190,11 @@ void cloud_options::add_preset_options() {
     verb_
         .add_option(
             "--preset", preset_,
-            "What the other options start from. auto: solid or tree, by materials and "
-            "connected components; classic: Decoret et al. 2003; thesis: Luksch 2009; tree: "
-            "Fuhrmann et al. 2005, trunk and foliage apart; solid: the thesis, no face beyond "
-            "epsilon")
+            "What the other options start from. auto: what measures best, for a solid or a tree as "
+            "materials and connected components tell: solid, or the exact search for the leaves of "
+            "tree, refined as a whole; classic: Decoret et al. 2003; thesis: Luksch 2009; tree: "
+            "Fuhrmann et al. 2005, trunk "
+            "and foliage apart; solid: the thesis, no face beyond epsilon")
         ->check(CLI::IsMember({"auto", "classic", "thesis", "tree", "solid"}))
         ->capture_default_str()
         ->group(group_);
@@ -272,15 +274,15 @@ void cloud_options::add_plane_options() {
         "How planes are looked for: in a density grid, or exactly, offset by offset",
         [](recipe& how, const std::string& name) { how.method.search.is_exact = name == "exact"; })
         ->check(CLI::IsMember({"grid", "exact"}));
-    add<double>("--tangency", "0",
+    add<double>("--tangency", "0; auto, foliage of trees: 1",
                 "Of the exact search: how much more faces count that lie along their plane",
                 [](recipe& how, double tangency) { how.method.search.exact.tangency = tangency; })
         ->check(CLI::Range(0.0, 100.0));
-    add_flag(
-        "--refine-whole",
-        "After the search merge and exchange planes, and give faces to the plane that they lie "
-        "along most; not with --weld online or --compact",
-        [](recipe& how) { how.options.refines_whole = true; });
+    add_flag("--refine-whole",
+             "After the search (auto: for foliage of trees) merge and exchange planes, and give "
+             "faces to the plane that they lie "
+             "along most; not with --weld online or --compact",
+             [](recipe& how) { how.options.refines_whole = true; });
     add<std::size_t>("--effort", "24", "Exchanges of planes that --refine-whole tries",
                      [](recipe& how, std::size_t effort) {
                          how.options.whole.effort = effort;
@@ -333,7 +335,7 @@ void cloud_options::add_density_options() {
         ->check(CLI::Range(0.0, 1000.0));
     add_flag("--penalty-in-refinement", "Charge the penalty in sub-bins, too (classic does)",
              [](recipe& how) { how.options.search.penalty_in_refinement = true; });
-    add<std::string>("--falloff", "off; thesis and solid: on",
+    add<std::string>("--falloff", "off; thesis and solid: on; not for the exact search",
                      "Count faces less that lie off a plane; refine: in the refinement only",
                      [](recipe& how, const std::string& name) {
                          how.options.search.falloff = kind_in(falloff_names, name);
@@ -372,7 +374,10 @@ void cloud_options::add_density_options() {
 void cloud_options::add_seam_options() {
     group_ = "Between planes";
     add_flag("--compact", "A plane takes one group of faces that lie together (classic does)",
-             [](recipe& how) { how.method.grouping.is_compact = true; });
+             [](recipe& how) {
+                 how.method.grouping.is_compact = true;
+                 how.options.refines_whole = false;  // it would join what lies apart
+             });
     add<std::string>("--weld", "none; solids: intersection, trunks: online",
                      "Move vertices where planes meet: onto their first plane, onto the common "
                      "intersection, or while planes are searched",

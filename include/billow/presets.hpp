@@ -106,6 +106,18 @@ namespace presets {
     return made;
 }
 
+/// Trees, what measures best: leaves by exact offsets, frontal ones counting more, then refinement of
+/// the whole; the trunk as in tree().
+[[nodiscard]] inline auto exact_tree() {
+    const auto from = tree();
+    build_options foliage = from.foliage.options;
+    foliage.refines_whole = true;
+    return tree_preset{
+        preset{foliage, pipeline{cube_map(18), from.foliage.method.policies, average_fit{},
+                                 whole_set{}, fixed_vertices{}, exact_method{.tangency = 1}}},
+        from.trunk};
+}
+
 }  // namespace presets
 
 /// Makes a cloud of a tree: roles tell its faces apart.

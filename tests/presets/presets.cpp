@@ -131,6 +131,25 @@ TEST_SUITE("presets/presets") {
         static_assert(is_a<weld_online, decltype(how.trunk.method.motion)>);
         static_assert(is_a<no_bias, decltype(how.trunk.method.policies.bias)>);
     }
+    TEST_CASE(
+        "exact_tree is tree by another search: no more planes, which show more of the leaves") {
+        const auto how = presets::exact_tree();
+        static_assert(is_a<exact_method, decltype(how.foliage.method.search)>);
+        static_assert(is_a<density_method, decltype(how.trunk.method.search)>);
+        CHECK(how.foliage.options.refines_whole);
+        const build_result grid = tree_built_with(tree_model(), tree_roles(), presets::tree());
+        const build_result exact = tree_built_with(tree_model(), tree_roles(), how);
+        REQUIRE(exact.parts.size() == 2);
+        CHECK(exact.parts[0].plane_count <= grid.parts[0].plane_count);
+        CHECK(exact.parts[1].plane_count == grid.parts[1].plane_count);
+        CHECK(exact.errors.projected_area_share > grid.errors.projected_area_share);
+        CHECK(exact.errors.faces_beyond_epsilon == 0);
+        CHECK(exact.faces.mapped == tree_model().face_count());
+        const plane_curve& curve = exact.parts[0].curve;
+        REQUIRE(curve.covered_area.size() == exact.parts[0].plane_count);
+        CHECK(std::is_sorted(curve.covered_area.begin(), curve.covered_area.end()));
+        CHECK(curve.covered_area.back() == doctest::Approx(1));
+    }
     TEST_CASE("solid is the thesis without skipped area") {
         const auto how = presets::solid();
         const auto thesis = presets::thesis();
