@@ -171,7 +171,7 @@ void resolve(benchmark::State& state, const bench::scene& scene) {
     benchmark::DoNotOptimize(sum);
 }
 
-const bool rows = [] {
+const bool bake_rows = [] {
     for (const unsigned threads : {1u, 2u}) {
         bench::add_row(
             "bake.bake_cloud/leaf_soup", 1'000, "scalar", threads,

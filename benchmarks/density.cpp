@@ -52,7 +52,7 @@ void add_policy_rows(const std::string& name, const Contribution& worth, const F
     }
 }
 
-const bool rows = [] {
+const bool density_rows = [] {
     add_policy_rows("projected", projected_area{}, no_falloff{});
     add_policy_rows("angular", angular_area{}, no_falloff{});
     add_policy_rows("within_angle", within_angle{projected_area{}, 60}, no_falloff{});

@@ -26,7 +26,7 @@ void row(const std::string& family, std::size_t size, unsigned threads,
     });
 }
 
-const bool rows = [] {
+const bool exact_search_rows = [] {
     const pipeline plain{cube_map{}, free_policies{}};
     for (const std::size_t size : {1'000u, 10'000u, 113'016u, 200'000u, 1'000'000u}) {
         for (const unsigned threads : {1u, 2u}) {

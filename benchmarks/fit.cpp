@@ -9,7 +9,7 @@ namespace {
 
 using namespace billow;
 
-const bool rows = [] {
+const bool fit_rows = [] {
     const auto row = [](const char* family, std::size_t size, const auto& fitter) {
         bench::add_row(family, size, "scalar", 1, [=](benchmark::State& state) {
             const face_table& faces = bench::leaves(size).faces;

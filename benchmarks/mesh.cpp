@@ -19,7 +19,7 @@ void make_table(benchmark::State& state, std::size_t size, unsigned threads) {
                   [&] { benchmark::DoNotOptimize(make_face_table(m, {threads})); });
 }
 
-const bool rows = [] {
+const bool mesh_rows = [] {
     for (const std::size_t size : {1'000u, 20'000u}) {
         bench::add_row("plants.species/broadleaf", size, "scalar", 1,
                        [=](benchmark::State& state) { grow_plant(state, size); });

@@ -31,14 +31,14 @@ void render(benchmark::State& state, const mesh& m, int supersample, unsigned th
 }
 
 /// A tree with leaves cut out of cards.
-const mesh& tree(std::size_t faces) {
+const mesh& leafy_tree(std::size_t faces) {
     static std::map<std::size_t, mesh> grown;
     const auto found = grown.find(faces);
     if (found != grown.end()) return found->second;
     return grown.emplace(faces, *tree_of_about(faces)).first->second;
 }
 
-const bool rows = [] {
+const bool metrics_rows = [] {
     for (const int s : {2, 4}) {
         const char* samples = s == 2 ? "_2x2" : "_4x4";
         for (const std::size_t size : {1'000u, 113'016u}) {
@@ -49,7 +49,7 @@ const bool rows = [] {
         for (const unsigned threads : {1u, 2u}) {
             bench::add_row(
                 std::string("metrics.render/broadleaf") + samples, 113'016, bench::isa, threads,
-                [=](benchmark::State& state) { render(state, tree(113'016), s, threads); });
+                [=](benchmark::State& state) { render(state, leafy_tree(113'016), s, threads); });
         }
     }
     return true;

@@ -43,7 +43,7 @@ const bench::scene& tree_20k() {
     return tree;
 }
 
-const bool rows = [] {
+const bool occlusion_rows = [] {
     bench::add_row("geometry.ray_tree/leaf_soup", 1'000, bench::isa, 1,
                    [](benchmark::State& state) { build(state, bench::leaves(1'000)); });
     bench::add_row("geometry.ray_tree/broadleaf", 20'000, bench::isa, 1,

@@ -32,7 +32,7 @@ void pack(benchmark::State& state, const std::vector<ivec2>& tiles, const pack_o
     state.counters["padded_fill"] = result.padded_fill;
 }
 
-const bool rows = [] {
+const bool pack_rows = [] {
     for (const std::size_t size : {20u, 200u, 1'000u, 3'000u, 10'000u}) {
         bench::add_row("bake.pack/one_atlas", size, "scalar", 1, [=](benchmark::State& state) {
             pack(state, tiles_of(size, size < 3'000 ? 200 : size < 10'000 ? 100 : 32), {});

@@ -39,7 +39,7 @@ void refine(const char* name, const whole_refinement_options& options) {
     }
 }
 
-const bool rows = [] {
+const bool refine_whole_rows = [] {
     refine("merge", {.effort = 0, .reassign = false});
     refine("exchange", {.reassign = false});
     refine("reassign", {.merge = false, .effort = 0});

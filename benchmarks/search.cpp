@@ -47,7 +47,7 @@ auto with_policies(const Contribution& worth, const Falloff& falls, const Bias& 
                     density_policies{hull_of_samples{}, worth, inner_side_penalty{}, falls, bias}};
 }
 
-const bool rows = [] {
+const bool search_rows = [] {
     const auto row = [](const char* family, std::size_t size, unsigned threads, refinement kind) {
         bench::add_row(family, size, bench::isa, threads,
                        [=](benchmark::State& state) { search(state, size, threads, kind); });

@@ -27,7 +27,7 @@ template <class Motion>
         pipeline{cube_map{}, density_policies<>{}, least_squares_fit{}, whole_set{}, motion}, {1});
 }
 
-const bool rows = [] {
+const bool weld_rows = [] {
     for (const std::size_t size : {1'000u, 113'016u}) {
         bench::add_row("search.greedy/tree", size, bench::isa, 1, [=](benchmark::State& state) {
             const bench::scene& scene = tree(size);

@@ -19,11 +19,11 @@ mesh textured_triangle() {
     return m;
 }
 
-constexpr vec3 middle(1.0f / 3, 1.0f / 3, 1.0f / 3);
+constexpr vec3 face_middle(1.0f / 3, 1.0f / 3, 1.0f / 3);
 
 surface_sample sample_of(const mesh& m) {
     const surface look(m);
-    return look.at(look.look_at(0, 1e6), middle);
+    return look.at(look.look_at(0, 1e6), face_middle);
 }
 
 }  // namespace
@@ -102,7 +102,7 @@ TEST_SUITE("bake/surface") {
         const mesh m = textured_triangle();
         const surface look(m);
         const face_look face = look.look_at(0, 1);
-        const surface_sample sample = look.at(face, middle);
+        const surface_sample sample = look.at(face, face_middle);
         CHECK(normal_toward(sample, face, {0, 0, 1}) == vec3(0, 0, 1));
         CHECK(normal_toward(sample, face, {0, 0, -1}) == vec3(0, 0, -1));
     }

@@ -18,13 +18,13 @@ using namespace billow;
 
 namespace {
 
-constexpr double epsilon = 0.1;
+constexpr double cloud_epsilon = 0.1;
 
 /// A cloud in which all faces are mapped to one upright plane through the origin.
 billboard_cloud on_one_plane(const mesh& m) {
     billboard_cloud cloud;
     cloud.bounds = {dvec3(0), 1.1};
-    cloud.epsilon = epsilon;
+    cloud.epsilon = cloud_epsilon;
     cloud.planes = {{{0, 0, 1}, 0}};
     cloud.plane_of_face.assign(m.face_count(), 0);
     return cloud;
@@ -102,9 +102,9 @@ TEST_SUITE("improve/cardboard") {
         CHECK(cloud.planes[1].rho == doctest::Approx(0.3));
         fit_billboards(stem, cloud);
         const billboard& b = cloud.billboards[1];
-        CHECK(std::min(b.width, b.height) <= 2 * epsilon);
+        CHECK(std::min(b.width, b.height) <= 2 * cloud_epsilon);
         CHECK(std::max(b.width, b.height) == doctest::Approx(2));
-        CHECK(std::max(-b.depth_low, b.depth_high) <= epsilon);
+        CHECK(std::max(-b.depth_low, b.depth_high) <= cloud_epsilon);
         const billboard& primary = cloud.billboards[0];
         CHECK(primary.height == doctest::Approx(2));
     }

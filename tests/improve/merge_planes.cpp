@@ -2,20 +2,9 @@
 
 #include <doctest/doctest.h>
 
-#include "support/clouds.hpp"
+#include "support/covers.hpp"
 
 using namespace billow;
-
-namespace {
-
-plane_cover cover_of(const face_table& faces, std::initializer_list<double> heights,
-                     double epsilon) {
-    std::vector<plane> planes;
-    for (const double z : heights) planes.push_back(support::level_plane(faces, z));
-    return {faces, planes, epsilon, 0, {}};
-}
-
-}  // namespace
 
 TEST_SUITE("improve/merge_planes") {
     TEST_CASE("the planes of two halves of a plate become one") {
@@ -23,7 +12,7 @@ TEST_SUITE("improve/merge_planes") {
         support::add_level_plate(m, {-1, 0, 0}, 1);
         support::add_level_plate(m, {1, 0, 0.05f}, 1);
         const face_table faces = support::table_of(m);
-        plane_cover cover = cover_of(faces, {-0.09, 0.14}, 0.1);
+        plane_cover cover = support::level_cover(faces, {-0.09, 0.14}, 0.1);
         CHECK(cover.essential(0).size() == 128);
         CHECK(cover.essential(1).size() == 128);
         CHECK(merge_planes(cover) == 1);
@@ -35,7 +24,7 @@ TEST_SUITE("improve/merge_planes") {
         support::add_level_plate(m, {0, 0, 0}, 1);
         support::add_level_plate(m, {0, 0, 0.21f}, 1);
         const face_table faces = support::table_of(m);
-        plane_cover cover = cover_of(faces, {0, 0.21}, 0.1);
+        plane_cover cover = support::level_cover(faces, {0, 0.21}, 0.1);
         CHECK(merge_planes(cover) == 0);
         CHECK(cover.plane_count() == 2);
     }
@@ -43,7 +32,7 @@ TEST_SUITE("improve/merge_planes") {
         mesh m;
         for (const float z : {0.0f, 0.2f, 0.4f, 0.6f}) support::add_level_plate(m, {0, 0, z}, 1);
         const face_table faces = support::table_of(m);
-        plane_cover cover = cover_of(faces, {0.1, 0.3, 0.5}, 0.11);
+        plane_cover cover = support::level_cover(faces, {0.1, 0.3, 0.5}, 0.11);
         CHECK(merge_planes(cover) == 1);
         CHECK(cover.origin(0) == 0);
         CHECK(cover.origin(1) == 2);
@@ -54,7 +43,7 @@ TEST_SUITE("improve/merge_planes") {
         for (const float z : {0.0f, 0.15f, 0.3f, 0.45f}) support::add_level_plate(m, {0, 0, z}, 1);
         const face_table faces = support::table_of(m);
         // 0.3 is on the second and the third plane; without it the first two are 0.15 wide.
-        plane_cover cover = cover_of(faces, {-0.05, 0.225, 0.375}, 0.09);
+        plane_cover cover = support::level_cover(faces, {-0.05, 0.225, 0.375}, 0.09);
         CHECK(merge_planes(cover) == 1);
         for (const std::uint32_t count : cover.counts()) CHECK(count >= 1);
     }

@@ -2,7 +2,7 @@
 
 #include <doctest/doctest.h>
 
-#include "support/clouds.hpp"
+#include "support/covers.hpp"
 
 using namespace billow;
 
@@ -13,13 +13,6 @@ mesh three_plates() {
     mesh m;
     for (const float z : {0.0f, 0.1f, 0.2f}) support::add_level_plate(m, {0, 0, z}, 1);
     return m;
-}
-
-plane_cover cover_of(const face_table& faces, std::initializer_list<double> heights,
-                     double epsilon) {
-    std::vector<plane> planes;
-    for (const double z : heights) planes.push_back(support::level_plane(faces, z));
-    return {faces, planes, epsilon, 0, {}};
 }
 
 }  // namespace
@@ -54,7 +47,7 @@ TEST_SUITE("improve/plane_cover") {
     TEST_CASE("essential faces are those of one plane, those of a pair of two") {
         const mesh m = three_plates();
         const face_table faces = support::table_of(m);
-        const plane_cover cover = cover_of(faces, {0.04, 0.12, 0.2}, 0.07);
+        const plane_cover cover = support::level_cover(faces, {0.04, 0.12, 0.2}, 0.07);
         CHECK(cover.essential(0).size() == 128);
         CHECK(cover.essential(1).empty());
         CHECK(cover.essential(2).size() == 128);
@@ -79,7 +72,7 @@ TEST_SUITE("improve/plane_cover") {
     TEST_CASE("the bound holds for the mesh's own vertices") {
         const mesh m = three_plates();
         const face_table faces = support::table_of(m);
-        CHECK(cover_of(faces, {0.05}, 0.05).valid(0).empty());
-        CHECK(cover_of(faces, {0.05}, 0.0501).valid(0).size() == 256);
+        CHECK(support::level_cover(faces, {0.05}, 0.05).valid(0).empty());
+        CHECK(support::level_cover(faces, {0.05}, 0.0501).valid(0).size() == 256);
     }
 }

@@ -8,7 +8,7 @@
 #include <billow/shapes/leaf_soup.hpp>
 #include <billow/shapes/teapot.hpp>
 
-#include "support/clouds.hpp"
+#include "support/covers.hpp"
 
 using namespace billow;
 
@@ -22,10 +22,6 @@ double projected_area_of(const plane_cover& cover) {
         sum += projected_area_of(cover.faces(), face_rows{row}, cover.planes()[home[row]].normal);
     }
     return sum;
-}
-
-billboard_cloud search(const face_table& faces, double share) {
-    return greedy_search(faces, faces.size, {.epsilon = share * faces.bounds.radius}).cloud;
 }
 
 }  // namespace
@@ -51,7 +47,7 @@ TEST_SUITE("improve/reassign") {
         for (const mesh* m : {&soup, &pot}) {
             const face_table faces = support::table_of(*m);
             const auto check = [&](const auto& fit) {
-                const billboard_cloud cloud = search(faces, 0.1);
+                const billboard_cloud cloud = support::greedy_cloud(faces, 0.1);
                 plane_cover cover(faces, cloud.planes, cloud.epsilon, 0, {});
                 double last = projected_area_of(cover);
                 const double first = last;
@@ -71,7 +67,7 @@ TEST_SUITE("improve/reassign") {
     }
     TEST_CASE("ends by itself, where it starts the next time") {
         const face_table faces = support::table_of(teapot(3));
-        const billboard_cloud cloud = search(faces, 0.15);
+        const billboard_cloud cloud = support::greedy_cloud(faces, 0.15);
         plane_cover cover(faces, cloud.planes, cloud.epsilon, 0, {});
         const reassign_statistics told = reassign_faces(cover, 1000);
         CHECK(told.rounds < 500);
@@ -96,7 +92,7 @@ TEST_SUITE("improve/reassign") {
     }
     TEST_CASE("planes do not depend on threads") {
         const face_table faces = support::table_of(leaf_soup(1000, {.edge = 0.05f}));
-        const billboard_cloud cloud = search(faces, 0.1);
+        const billboard_cloud cloud = support::greedy_cloud(faces, 0.1);
         plane_cover one(faces, cloud.planes, cloud.epsilon, 0, {1});
         plane_cover three(faces, cloud.planes, cloud.epsilon, 0, {3});
         reassign_faces(one, 4, average_fit{}, {1});

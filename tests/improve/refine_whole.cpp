@@ -6,17 +6,9 @@
 #include <billow/shapes/leaf_soup.hpp>
 #include <billow/shapes/teapot.hpp>
 
-#include "support/clouds.hpp"
+#include "support/covers.hpp"
 
 using namespace billow;
-
-namespace {
-
-billboard_cloud search(const face_table& faces, double share) {
-    return greedy_search(faces, faces.size, {.epsilon = share * faces.bounds.radius}).cloud;
-}
-
-}  // namespace
 
 TEST_SUITE("improve/refine_whole") {
     TEST_CASE(
@@ -25,7 +17,7 @@ TEST_SUITE("improve/refine_whole") {
         const mesh pot = teapot(4);
         for (const mesh* m : {&soup, &pot}) {
             const face_table faces = support::table_of(*m);
-            const billboard_cloud found = search(faces, 0.1);
+            const billboard_cloud found = support::greedy_cloud(faces, 0.1);
             const double share = measure_errors(*m, found).projected_area_share;
             for (const whole_refinement_options& options :
                  {whole_refinement_options{.merge = true, .effort = 0, .reassign = false},
@@ -51,7 +43,7 @@ TEST_SUITE("improve/refine_whole") {
     }
     TEST_CASE("fewer planes, and more tangent, than the search alone finds") {
         const face_table faces = support::table_of(leaf_soup(4000, {.edge = 0.05f}));
-        billboard_cloud cloud = search(faces, 0.1);
+        billboard_cloud cloud = support::greedy_cloud(faces, 0.1);
         const whole_refinement_report told = refine_whole(faces, cloud);
         CHECK(told.planes_after + 2 <= told.planes_before);
         CHECK(told.projected_area_share_after > told.projected_area_share_before + 0.05);
@@ -59,7 +51,7 @@ TEST_SUITE("improve/refine_whole") {
     }
     TEST_CASE("a second time changes nothing") {
         const face_table faces = support::table_of(teapot(3));
-        billboard_cloud cloud = search(faces, 0.15);
+        billboard_cloud cloud = support::greedy_cloud(faces, 0.15);
         const whole_refinement_options thorough{.effort = 500, .rounds = 500};
         refine_whole(faces, cloud, thorough);
         const billboard_cloud once = cloud;
@@ -142,7 +134,7 @@ TEST_SUITE("improve/refine_whole") {
     }
     TEST_CASE("the same bytes for any number of threads") {
         const face_table faces = support::table_of(leaf_soup(2000, {.edge = 0.05f}));
-        const billboard_cloud found = search(faces, 0.1);
+        const billboard_cloud found = support::greedy_cloud(faces, 0.1);
         billboard_cloud one = found, three = found;
         refine_whole(faces, one, {}, average_fit{}, {1});
         refine_whole(faces, three, {}, average_fit{}, {3});

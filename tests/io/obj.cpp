@@ -11,20 +11,22 @@ using scratch::failed;
 
 namespace {
 
-constexpr std::string_view square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+constexpr std::string_view square_corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-expected<loaded_mesh> read_text(std::string_view text) {
+expected<loaded_mesh> read_obj_text(std::string_view text) {
     const scratch::folder at;
     return read_obj(at.put("made.obj", text));
 }
 
-std::string with_square(std::string_view text) { return std::string(square) + std::string(text); }
+std::string with_square(std::string_view text) {
+    return std::string(square_corners) + std::string(text);
+}
 
 }  // namespace
 
 TEST_SUITE("io/obj") {
     TEST_CASE("polygons become triangles that share their vertices") {
-        const auto read = read_text(with_square("f 1 2 3 4\n"));
+        const auto read = read_obj_text(with_square("f 1 2 3 4\n"));
         REQUIRE(read);
         CHECK(read->mesh.face_count() == 2);
         CHECK(read->mesh.vertex_count() == 4);
@@ -33,14 +35,14 @@ TEST_SUITE("io/obj") {
     }
 
     TEST_CASE("negative indices, carriage returns and blanks mean what they should") {
-        const auto read = read_text("v  0 0 0 \r\nv\t1 0 0\r\nv 1 1 0\r\n f  -3  -2 -1 \r\n");
+        const auto read = read_obj_text("v  0 0 0 \r\nv\t1 0 0\r\nv 1 1 0\r\n f  -3  -2 -1 \r\n");
         REQUIRE(read);
         CHECK(read->mesh.corners(0) == std::array{vec3(0), vec3(1, 0, 0), vec3(1, 1, 0)});
     }
 
     TEST_CASE("corners of the same indices are one vertex, of others two") {
         const auto read =
-            read_text(with_square("vt 0 0\nvt 0.25 1\nf 1/1 2/1 3/1\nf 1/1 3/2 4/1\n"));
+            read_obj_text(with_square("vt 0 0\nvt 0.25 1\nf 1/1 2/1 3/1\nf 1/1 3/2 4/1\n"));
         REQUIRE(read);
         CHECK(read->mesh.vertex_count() == 5);
         CHECK(read->mesh.uv_sets[0][0] == vec2(0, 1));  // v from the top
@@ -48,7 +50,7 @@ TEST_SUITE("io/obj") {
     }
 
     TEST_CASE("faces without normals are flat beside others that have them") {
-        const auto read = read_text(with_square("vn 0 0.6 0.8\nf 1//1 2//1 3//1\nf 1 3 4\n"));
+        const auto read = read_obj_text(with_square("vn 0 0.6 0.8\nf 1//1 2//1 3//1\nf 1 3 4\n"));
         REQUIRE(read);
         CHECK(read->mesh.vertex_count() == 6);
         CHECK(read->mesh.normals[0] == vec3(0, 0.6f, 0.8f));
@@ -57,16 +59,16 @@ TEST_SUITE("io/obj") {
 
     TEST_CASE("vertex colours are read, points and lines counted") {
         const auto read =
-            read_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 0 1 1\nf 1 2 3\nl 1 2\np 1\n");
+            read_obj_text("v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 1 1 0 0 1 1\nf 1 2 3\nl 1 2\np 1\n");
         REQUIRE(read);
         CHECK(read->mesh.colors[2] == vec4(0, 1, 1, 1));
         CHECK(read->skipped_primitives > 0);
-        CHECK(read_text(square)->mesh.face_count() == 0);
+        CHECK(read_obj_text(square_corners)->mesh.face_count() == 0);
     }
 
     TEST_CASE("bad files fail in one line") {
         const auto fails = [](std::string_view text, error_code code) {
-            CHECK(failed(read_text(text), code, "", "made.obj"));
+            CHECK(failed(read_obj_text(text), code, "", "made.obj"));
         };
         fails(with_square("f 1 2 5\n"), error_code::out_of_range);
         fails(with_square("f 1 2 -9\n"), error_code::out_of_range);

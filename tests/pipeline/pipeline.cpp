@@ -21,7 +21,7 @@ using namespace billow;
 
 namespace {
 
-build_options small(double epsilon) {
+build_options small_atlas(double epsilon) {
     build_options options;
     options.epsilon = tolerance::of_radius(epsilon);
     options.bake.texels = 96;
@@ -49,7 +49,7 @@ TEST_SUITE("pipeline") {
     TEST_CASE(
         "the cloud of a textured cube has six planes and looks like the cube from all sides") {
         const mesh cube = textured_cube();
-        const auto built = build_cloud(cube, small(0.02));
+        const auto built = build_cloud(cube, small_atlas(0.02));
         REQUIRE(built);
         CHECK(built->cloud.plane_count() == 6);
         CHECK(built->errors.projected_area_share == doctest::Approx(1).epsilon(1e-4));
@@ -63,7 +63,7 @@ TEST_SUITE("pipeline") {
         }
     }
     TEST_CASE("quads are as large as their planes' faces, and lie on their planes") {
-        const auto built = build_cloud(leaf_soup(1000, {.edge = 0.15f}), small(0.1));
+        const auto built = build_cloud(leaf_soup(1000, {.edge = 0.15f}), small_atlas(0.1));
         REQUIRE(built);
         const mesh cloud = built->to_mesh();
         std::set<std::uint32_t> planes(cloud.feature_ids.begin(), cloud.feature_ids.end());
@@ -78,7 +78,7 @@ TEST_SUITE("pipeline") {
     }
     TEST_CASE("any number of threads gives the same cloud and the same texels") {
         const mesh m = leaf_soup(3000, {.edge = 0.1f});
-        build_options options = small(0.1);
+        build_options options = small_atlas(0.1);
         options.threads.threads = 1;
         const auto one = build_cloud(m, options);
         REQUIRE(one);
@@ -97,7 +97,7 @@ TEST_SUITE("pipeline") {
     TEST_CASE("other parts compose") {
         const mesh m = leaf_soup(500, {.edge = 0.2f});
         const auto built = build_cloud(
-            m, small(0.1),
+            m, small_atlas(0.1),
             pipeline{spherical(10),
                      density_policies{intersection_of_vertices{}, projected_area{}, no_penalty{}},
                      svd_fit{}});
@@ -105,7 +105,7 @@ TEST_SUITE("pipeline") {
         CHECK(built->errors.max_error <= built->cloud.epsilon * (1 + 1e-9));
     }
     TEST_CASE("an epsilon in scene units is taken as it is") {
-        build_options options = small(0.1);
+        build_options options = small_atlas(0.1);
         options.epsilon = tolerance::scene_units(0.125);
         const auto built = build_cloud(leaf_soup(200), options);
         REQUIRE(built);
@@ -114,7 +114,7 @@ TEST_SUITE("pipeline") {
     TEST_CASE("about as many planes as asked for, and the epsilon that they keep") {
         const mesh m = leaf_soup(400, {.edge = 0.2f});
         for (const std::size_t planes : {12u, 30u}) {
-            build_options options = small(0.1);
+            build_options options = small_atlas(0.1);
             options.planes = planes;
             const auto built = build_cloud(m, options);
             REQUIRE(built);
@@ -136,7 +136,7 @@ TEST_SUITE("pipeline") {
     TEST_CASE("what makes no sense is refused by name") {
         for (const double epsilon :
              {0.0, -0.1, double(std::nanf("")), std::numeric_limits<double>::infinity()}) {
-            const auto built = build_cloud(leaf_soup(10), small(epsilon));
+            const auto built = build_cloud(leaf_soup(10), small_atlas(epsilon));
             REQUIRE_FALSE(built);
             CHECK(built.error().code == error_code::invalid_options);
         }

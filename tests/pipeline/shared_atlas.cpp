@@ -12,7 +12,7 @@ using namespace billow;
 
 namespace {
 
-build_options small(bool packs) {
+build_options options_with(bool packs) {
     build_options options;
     options.bake.texels = 96;
     options.bake.draw.supersample = 2;
@@ -30,11 +30,11 @@ TEST_SUITE("pipeline/shared_atlas") {
         std::vector<build_result> apart;
         std::vector<build_result> together;
         for (const mesh& source : sources) {
-            apart.push_back(*build_cloud(source, small(true)));
-            together.push_back(*build_cloud(source, small(false)));
+            apart.push_back(*build_cloud(source, options_with(true)));
+            together.push_back(*build_cloud(source, options_with(false)));
             CHECK(together.back().baked.atlases.empty());
         }
-        const shared_atlas shared = share_atlas(together, small(true).bake);
+        const shared_atlas shared = share_atlas(together, options_with(true).bake);
         CHECK(shared.baked.atlases.size() == 1);
         REQUIRE(shared.members.size() == 3);
         CHECK(shared.members[2].billboards.end == shared.drawn.face_count());
@@ -62,9 +62,9 @@ TEST_SUITE("pipeline/shared_atlas") {
     TEST_CASE("clouds without planes, and no clouds, share nothing") {
         std::vector<build_result> none;
         CHECK(share_atlas(none, {}).drawn.face_count() == 0);
-        none.push_back(*build_cloud(mesh{}, small(false)));
-        none.push_back(*build_cloud(textured_cube(4), small(false)));
-        const shared_atlas shared = share_atlas(none, small(false).bake);
+        none.push_back(*build_cloud(mesh{}, options_with(false)));
+        none.push_back(*build_cloud(textured_cube(4), options_with(false)));
+        const shared_atlas shared = share_atlas(none, options_with(false).bake);
         CHECK(shared.members[0].billboards.size() == 0);
         CHECK(shared.members[1].billboards.size() == shared.drawn.face_count());
         CHECK(shared.drawn.face_count() >= 12);

@@ -8,7 +8,7 @@ using namespace billow;
 
 namespace {
 
-skeleton paper_bones() {
+skeleton bare_bones() {
     auto bones = interpret(*expand(forest_paper_grammar(), {.generations = 3}),
                            {.angle_jitter = 0.2, .wander_deg = 8});
     REQUIRE(bones);
@@ -24,7 +24,7 @@ double distance_to_segment(const dvec3& p, const dvec3& a, const dvec3& b) {
 
 TEST_SUITE("plants/leaf_mesh") {
     TEST_CASE("every leaf touches its twig") {
-        const skeleton bones = paper_bones();
+        const skeleton bones = bare_bones();
         mesh leaves;
         add_leaves(leaves, bones, {.per_site = 3});
         REQUIRE(leaves.face_count() == 2 * 3 * bones.leaf_count());
@@ -46,7 +46,7 @@ TEST_SUITE("plants/leaf_mesh") {
 
     TEST_CASE("leaves are rectangles of the size asked for, their normals exact") {
         mesh leaves;
-        add_leaves(leaves, paper_bones(),
+        add_leaves(leaves, bare_bones(),
                    {.per_site = 2, .length = 0.4, .aspect = 0.5, .size_jitter = 0});
         for (face_id f = 0; f < leaves.face_count(); ++f) {
             const auto [a, b, c] = leaves.corners(f);
@@ -59,7 +59,7 @@ TEST_SUITE("plants/leaf_mesh") {
 
     TEST_CASE("every leaf shows one upright picture of the image") {
         mesh leaves;
-        add_leaves(leaves, paper_bones(), {.variants = 3});
+        add_leaves(leaves, bare_bones(), {.variants = 3});
         std::vector<int> seen(9, 0);
         for (std::size_t v = 0; v < leaves.vertex_count(); v += 4) {
             const auto& uv = leaves.uv_sets[0];
@@ -72,7 +72,7 @@ TEST_SUITE("plants/leaf_mesh") {
     }
 
     TEST_CASE("the seed alone decides") {
-        const skeleton bones = paper_bones();
+        const skeleton bones = bare_bones();
         mesh few, again;
         add_leaves(few, bones, {.per_site = 2}, 0, 7);
         add_leaves(again, bones, {.per_site = 2}, 0, 7);

@@ -8,7 +8,7 @@ using namespace billow;
 
 namespace {
 
-skeleton paper_bones(unsigned generations) {
+skeleton grown_bones(unsigned generations) {
     auto bones = interpret(*expand(forest_paper_grammar(), {.generations = generations}));
     REQUIRE(bones);
     return *std::move(bones);
@@ -18,7 +18,7 @@ skeleton paper_bones(unsigned generations) {
 
 TEST_SUITE("plants/skeleton") {
     TEST_CASE("the cross-section of a parent is the sum of its children's") {
-        skeleton bones = paper_bones(4);
+        skeleton bones = grown_bones(4);
         assign_radii(bones, {.trunk = 0.2});
         std::vector<double> sums(bones.segment_count(), 0);
         for (std::size_t i = 0; i < bones.segment_count(); ++i) {
@@ -38,7 +38,7 @@ TEST_SUITE("plants/skeleton") {
     }
 
     TEST_CASE("a continuation starts as wide as its parent ends, a side branch no wider") {
-        skeleton bones = paper_bones(4);
+        skeleton bones = grown_bones(4);
         assign_radii(bones);
         const auto heirs = continuations(bones);
         int heir_count = 0;
@@ -61,7 +61,7 @@ TEST_SUITE("plants/skeleton") {
     }
 
     TEST_CASE("the highest twig ends at the height asked for") {
-        skeleton bones = paper_bones(3);
+        skeleton bones = grown_bones(3);
         REQUIRE(scale_to_height(bones, 8));
         double top = 0;
         for (const dvec3& end : bones.ends) top = std::max(top, end.y);

@@ -37,7 +37,8 @@ mesh far_plates() {
 }
 
 template <face_grouping Grouping>
-billboard_cloud search(const mesh& m, double share, const Grouping& group, unsigned threads = 0) {
+billboard_cloud search_grouped(const mesh& m, double share, const Grouping& group,
+                               unsigned threads = 0) {
     face_table faces = support::table_of(m);
     const double epsilon = share * faces.bounds.radius;
     billboard_cloud cloud =
@@ -90,8 +91,8 @@ TEST_SUITE("search/compact") {
     }
     TEST_CASE("two plates on one plane become two billboards, with less empty texture") {
         const mesh m = far_plates();
-        const billboard_cloud one = search(m, 0.05, whole_set{});
-        const billboard_cloud two = search(m, 0.05, heaviest_group<>{});
+        const billboard_cloud one = search_grouped(m, 0.05, whole_set{});
+        const billboard_cloud two = search_grouped(m, 0.05, heaviest_group<>{});
         CHECK(one.plane_count() == 1);
         CHECK(two.plane_count() == 2);
         CHECK(measure_errors(m, one).rectangle_use < 0.45);
@@ -102,7 +103,7 @@ TEST_SUITE("search/compact") {
         const mesh pot = teapot(4);
         for (const mesh* m : {&soup, &pot}) {
             for (const double cost : {4.0, 50.0}) {
-                const billboard_cloud cloud = search(*m, 0.08, heaviest_group<>{cost});
+                const billboard_cloud cloud = search_grouped(*m, 0.08, heaviest_group<>{cost});
                 const cloud_errors e = measure_errors(*m, cloud);
                 CHECK(e.mapped_faces == m->face_count());
                 CHECK(e.faces_beyond_epsilon == 0);
@@ -123,8 +124,8 @@ TEST_SUITE("search/compact") {
     }
     TEST_CASE("the result does not depend on threads; no face and one face work") {
         const mesh m = leaf_soup(2000, {.edge = 0.04f});
-        const billboard_cloud one = search(m, 0.06, heaviest_group<>{20}, 1);
-        const billboard_cloud three = search(m, 0.06, heaviest_group<>{20}, 3);
+        const billboard_cloud one = search_grouped(m, 0.06, heaviest_group<>{20}, 1);
+        const billboard_cloud three = search_grouped(m, 0.06, heaviest_group<>{20}, 3);
         CHECK(one.planes == three.planes);
         CHECK(one.plane_of_face == three.plane_of_face);
         CHECK(heaviest_group<>{}(face_table{}, ground, 0.1).empty());

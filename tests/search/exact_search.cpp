@@ -26,18 +26,19 @@ namespace {
 using free_policies = density_policies<hull_of_samples, projected_area, no_penalty>;
 
 template <class... Parts>
-greedy_result search(const mesh& m, double share, exact_search_options options,
-                     const pipeline<Parts...>& parts, unsigned threads = 0) {
+greedy_result search_exactly(const mesh& m, double share, exact_search_options options,
+                             const pipeline<Parts...>& parts, unsigned threads = 0) {
     face_table faces = support::table_of(m);
     options.epsilon = faces.bounds.radius > 0 ? share * faces.bounds.radius : share;
     return exact_search(std::move(faces), m.face_count(), options, parts, {threads});
 }
-greedy_result search(const mesh& m, double share, const exact_search_options& options = {}) {
-    return search(m, share, options, pipeline{cube_map(8), free_policies{}});
+greedy_result search_exactly(const mesh& m, double share,
+                             const exact_search_options& options = {}) {
+    return search_exactly(m, share, options, pipeline{cube_map(8), free_policies{}});
 }
 
 /// Each face on one plane, within epsilon; the curve of areas rises to all of it.
-void check_promises(const mesh& m, const greedy_result& r) {
+void check_exact_promises(const mesh& m, const greedy_result& r) {
     const cloud_errors e = measure_errors(m, r.cloud);
     CHECK(e.max_error <= r.cloud.epsilon * (1 + 1e-9));
     CHECK(e.faces_beyond_epsilon == 0);
@@ -72,17 +73,17 @@ bool is_same(const greedy_result& a, const greedy_result& b) {
 TEST_SUITE("search/exact_search") {
     TEST_CASE("every face ends on exactly one plane, within epsilon") {
         for (const double share : {0.2, 0.07}) {
-            check_promises(leaf_soup(500), search(leaf_soup(500), share));
-            check_promises(teapot(2), search(teapot(2), share));
+            check_exact_promises(leaf_soup(500), search_exactly(leaf_soup(500), share));
+            check_exact_promises(teapot(2), search_exactly(teapot(2), share));
         }
         const mesh big = support::random_triangles(60, 0.7, 9);
-        check_promises(big, search(big, 0.03));
+        check_exact_promises(big, search_exactly(big, 0.03));
     }
     TEST_CASE("the promise holds for every composition") {
         const mesh m = leaf_soup(150, {.edge = 0.1f});
         const cube_map coarse(6);
         const auto check = [&](const auto& parts, const exact_search_options& options = {}) {
-            check_promises(m, search(m, 0.1, options, parts));
+            check_exact_promises(m, search_exactly(m, 0.1, options, parts));
         };
         check(pipeline{coarse});
         check(pipeline{spherical(4), density_policies<>{}, no_fit{}});
@@ -99,9 +100,9 @@ TEST_SUITE("search/exact_search") {
     }
     TEST_CASE("vertices may move during the search") {
         const mesh m = teapot(2);
-        const auto r = search(m, 0.1, {},
-                              pipeline{cube_map(6), free_policies{}, least_squares_fit{},
-                                       whole_set{}, weld_online{}});
+        const auto r = search_exactly(m, 0.1, {},
+                                      pipeline{cube_map(6), free_policies{}, least_squares_fit{},
+                                               whole_set{}, weld_online{}});
         const cloud_errors e = measure_errors(m, r.cloud);
         CHECK(e.max_error <= r.cloud.epsilon * (1 + 1e-9));
         CHECK(e.mapped_faces + r.statistics.degenerate_faces == m.face_count());
@@ -111,19 +112,18 @@ TEST_SUITE("search/exact_search") {
         for (const mesh& m : {teapot(3), leaf_soup(1000), icosphere(2)}) {
             double share = 0;
             const std::size_t planes = density_planes(m, 0.1, share);
-            const greedy_result r = search(m, 0.1);
+            const greedy_result r = search_exactly(m, 0.1);
             CHECK(r.cloud.plane_count() <= planes);
             CHECK(measure_errors(m, r.cloud).projected_area_share > share - 0.02);
         }
     }
     TEST_CASE("the teapot of a thousand faces needs ten planes at a tenth of its radius") {
-        CHECK(
-            search(teapot(4), 0.1, {}, pipeline{cube_map{}, free_policies{}}).cloud.plane_count() <=
-            10);
+        CHECK(search_exactly(teapot(4), 0.1, {}, pipeline{cube_map{}, free_policies{}})
+                  .cloud.plane_count() <= 10);
     }
     TEST_CASE("a box needs six planes, which lie in its sides") {
         const mesh m = box({2, 3, 4}, 2);
-        const greedy_result r = search(m, 0.03);
+        const greedy_result r = search_exactly(m, 0.03);
         CHECK(r.cloud.plane_count() == 6);
         CHECK(measure_errors(m, r.cloud).max_error < 1e-5);
     }
@@ -135,8 +135,8 @@ TEST_SUITE("search/exact_search") {
         const auto collects = [&](const plane& p) {
             return contribution_of(faces, faces_valid_for(faces, p, epsilon), p.normal, worth);
         };
-        const auto r =
-            search(m, 0.1, {.max_planes = 1}, pipeline{cube_map(6), free_policies{}, no_fit{}});
+        const auto r = search_exactly(m, 0.1, {.max_planes = 1},
+                                      pipeline{cube_map(6), free_policies{}, no_fit{}});
         const double most = collects(r.cloud.planes[0]);
         const cube_map space(6);
         for (orientation_id id = 0; id < space.orientation_count(); ++id) {
@@ -149,7 +149,7 @@ TEST_SUITE("search/exact_search") {
         const mesh m = leaf_soup(2600);
         for (const auto& options : {exact_search_options{}, {.coverage = 0.9}}) {
             const auto with = [&](unsigned threads) {
-                return search(m, 0.1, options, pipeline{cube_map(8)}, threads);
+                return search_exactly(m, 0.1, options, pipeline{cube_map(8)}, threads);
             };
             const greedy_result one = with(1);
             for (const unsigned threads : {2u, 3u}) CHECK(is_same(one, with(threads)));
@@ -157,8 +157,8 @@ TEST_SUITE("search/exact_search") {
     }
     TEST_CASE("coverage ends the search, and faces that are left stay within its limits") {
         const mesh m = leaf_soup(600);
-        const greedy_result all = search(m, 0.1);
-        const greedy_result most = search(m, 0.1, {.coverage = 0.9});
+        const greedy_result all = search_exactly(m, 0.1);
+        const greedy_result most = search_exactly(m, 0.1, {.coverage = 0.9});
         CHECK(most.cloud.plane_count() < all.cloud.plane_count());
         CHECK(most.covered_area.back() >= 0.9);
         CHECK(most.covered_area[most.cloud.plane_count() - 2] < 0.9);
@@ -169,47 +169,47 @@ TEST_SUITE("search/exact_search") {
         CHECK(e.max_error <= 2 * most.cloud.epsilon * (1 + 1e-6));
         CHECK(e.dropped_area_share == doctest::Approx(most.statistics.dropped_area_share));
 
-        const greedy_result dropped =
-            search(m, 0.1, {.coverage = 0.9, .skipped = {.reach = 1e-9, .least_projection = 1}});
+        const greedy_result dropped = search_exactly(
+            m, 0.1, {.coverage = 0.9, .skipped = {.reach = 1e-9, .least_projection = 1}});
         CHECK(dropped.statistics.dropped_faces == dropped.statistics.leftover_faces);
-        const greedy_result nearest =
-            search(m, 0.1, {.coverage = 0.9, .skipped = {.reach = 1e9, .least_projection = 0}});
+        const greedy_result nearest = search_exactly(
+            m, 0.1, {.coverage = 0.9, .skipped = {.reach = 1e9, .least_projection = 0}});
         CHECK(nearest.statistics.dropped_faces == 0);
     }
     TEST_CASE("tangency shows faces more frontally") {
         const mesh m = leaf_soup(600);
         const auto share = [&](double tangency) {
-            const greedy_result r = search(m, 0.1, {.method = {.tangency = tangency}});
-            check_promises(m, r);
+            const greedy_result r = search_exactly(m, 0.1, {.method = {.tangency = tangency}});
+            check_exact_promises(m, r);
             return measure_errors(m, r.cloud).projected_area_share;
         };
         CHECK(share(3) > share(0) + 0.01);
     }
     TEST_CASE("an unlit start: empty, one face, no area, faces wider than two epsilons") {
-        const auto none = search(mesh{}, 0.1);
+        const auto none = search_exactly(mesh{}, 0.1);
         CHECK(none.cloud.plane_count() == 0);
         CHECK(none.covered_area.empty());
 
         const mesh one = support::triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3f}});
-        const auto of_one = search(one, 0.001);
+        const auto of_one = search_exactly(one, 0.001);
         CHECK(of_one.cloud.plane_count() == 1);
-        check_promises(one, of_one);
+        check_exact_promises(one, of_one);
 
         mesh flat = support::triangles(
             {{0, 0, 0}, {1, 0, 0}, {0, 1, 0.3f}, {0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
-        check_promises(flat, search(flat, 0.1));
+        check_exact_promises(flat, search_exactly(flat, 0.1));
         const mesh line = support::triangles({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
-        CHECK(search(line, 0.1).cloud.plane_count() == 0);
+        CHECK(search_exactly(line, 0.1).cloud.plane_count() == 0);
 
         const mesh wide = support::random_triangles(20, 0.8, 11);
-        const auto of_wide = search(wide, 1e-4);
-        check_promises(wide, of_wide);
+        const auto of_wide = search_exactly(wide, 1e-4);
+        check_exact_promises(wide, of_wide);
         CHECK(of_wide.cloud.plane_count() == 20);
         CHECK(of_wide.statistics.fail_safes > 0);
     }
     TEST_CASE("a number of planes ends the search") {
         const mesh m = leaf_soup(300);
-        const auto r = search(m, 0.1, {.max_planes = 3});
+        const auto r = search_exactly(m, 0.1, {.max_planes = 3});
         CHECK(r.cloud.plane_count() == 3);
         CHECK(r.statistics.leftover_faces > 0);
         CHECK(measure_errors(m, r.cloud).mapped_faces == 300);

@@ -7,7 +7,7 @@
 #include <billow/search/greedy.hpp>
 #include <billow/shapes/teapot.hpp>
 
-#include "support/meshes.hpp"
+#include "support/searches.hpp"
 
 using namespace billow;
 
@@ -21,13 +21,6 @@ mesh squares(const std::vector<float>& heights) {
 }
 
 const std::vector<plane> floors{{{0, 0, 1}, 0}, {{0, 0, 1}, 1}};
-
-/// Searches with epsilon as a share of the radius.
-greedy_result search(const mesh& m, double share, greedy_options options) {
-    face_table faces = support::table_of(m);
-    options.epsilon = share * faces.bounds.radius;
-    return greedy_search(std::move(faces), m.face_count(), options, pipeline{cube_map{10}});
-}
 
 }  // namespace
 
@@ -80,8 +73,8 @@ TEST_SUITE("search/leftovers") {
         const mesh pot = teapot(6);
         const mesh tree = *tree_of_about(3000);
         for (const mesh* m : {&pot, &tree}) {
-            const auto all = search(*m, 0.08, {});
-            const auto r = search(*m, 0.08, {.skip_area = 0.02});
+            const auto all = support::coarse_search(*m, 0.08, {});
+            const auto r = support::coarse_search(*m, 0.08, {.skip_area = 0.02});
             const greedy_statistics& s = r.statistics;
             const cloud_errors e = measure_errors(*m, r.cloud);
             CHECK(r.cloud.plane_count() + 3 <= all.cloud.plane_count());
@@ -121,10 +114,11 @@ TEST_SUITE("search/leftovers") {
     }
     TEST_CASE("planes that collect less than the minimum end the search, but never the first") {
         const mesh tree = *tree_of_about(2000);
-        const auto all = search(tree, 0.1, {});
-        const auto r = search(tree, 0.1, {.min_contribution = 0.005});
+        const auto all = support::coarse_search(tree, 0.1, {});
+        const auto r = support::coarse_search(tree, 0.1, {.min_contribution = 0.005});
         CHECK(r.cloud.plane_count() < all.cloud.plane_count());
         CHECK(r.cloud.plane_count() > 1);
-        CHECK(search(tree, 0.1, {.min_contribution = 0.99}).cloud.plane_count() == 1);
+        CHECK(support::coarse_search(tree, 0.1, {.min_contribution = 0.99}).cloud.plane_count() ==
+              1);
     }
 }

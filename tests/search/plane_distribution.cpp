@@ -11,7 +11,7 @@
 #include <billow/search/greedy.hpp>
 #include <billow/shapes/leaf_soup.hpp>
 
-#include "support/meshes.hpp"
+#include "support/searches.hpp"
 
 using namespace billow;
 
@@ -24,13 +24,6 @@ std::vector<orientation_cell> all_cells() {
         cells.push_back(space.cell(id));
     }
     return cells;
-}
-
-/// Searches with epsilon as a share of the radius.
-greedy_result search(const mesh& m, double share, greedy_options options) {
-    face_table faces = support::table_of(m);
-    options.epsilon = share * faces.bounds.radius;
-    return greedy_search(std::move(faces), m.face_count(), options, pipeline{cube_map{10}});
 }
 
 }  // namespace
@@ -75,7 +68,8 @@ TEST_SUITE("search/plane_distribution") {
             support::add_square(m, {0, 0, z}, {0.5f, 0, 0}, {0, 0.5f, 0});
         }
         for (const double strength : {0.3, 1.0}) {
-            const auto r = search(m, 0.05, {.distribution = {.strength = strength}});
+            const auto r =
+                support::coarse_search(m, 0.05, {.distribution = {.strength = strength}});
             CHECK(measure_errors(m, r.cloud).mapped_faces == 4);
             CHECK(measure_errors(m, r.cloud).faces_beyond_epsilon == 0);
             CHECK(r.cloud.plane_count() == 2);
@@ -85,7 +79,7 @@ TEST_SUITE("search/plane_distribution") {
     TEST_CASE("distribution weights spread the first planes over directions") {
         const mesh m = leaf_soup(4000, {.edge = 0.02f});
         const auto nearest_pair = [&](double strength) {
-            const auto r = search(m, 0.1, {.distribution = {.strength = strength}});
+            const auto r = support::coarse_search(m, 0.1, {.distribution = {.strength = strength}});
             CHECK(measure_errors(m, r.cloud).faces_beyond_epsilon == 0);
             CHECK(measure_errors(m, r.cloud).mapped_faces == m.face_count());
             double sum = 0;

@@ -18,7 +18,7 @@ using namespace billow;
 
 namespace {
 
-greedy_result search(const mesh& m, double share, weld_kind kind, unsigned threads = 0) {
+greedy_result search_welded(const mesh& m, double share, weld_kind kind, unsigned threads = 0) {
     face_table faces = support::table_of(m);
     const double epsilon = share * faces.bounds.radius;
     return greedy_search(std::move(faces), m.face_count(), {.epsilon = epsilon},
@@ -27,7 +27,7 @@ greedy_result search(const mesh& m, double share, weld_kind kind, unsigned threa
                          {threads});
 }
 
-void check_promises(const mesh& m, const greedy_result& r) {
+void check_welded_promises(const mesh& m, const greedy_result& r) {
     const cloud_errors errors = measure_errors(m, r.cloud);
     CHECK(errors.max_error <= r.cloud.epsilon * (1 + 1e-9));
     CHECK(errors.mapped_faces + r.statistics.degenerate_faces == m.face_count());
@@ -48,7 +48,7 @@ TEST_SUITE("search/weld_online") {
         for (const weld_kind kind : {weld_kind::first, weld_kind::intersection}) {
             for (const double share : {0.15, 0.05}) {
                 for (const mesh& m : {teapot(3), icosphere(2), leaf_soup(400, {.edge = 0.1f})}) {
-                    check_promises(m, search(m, share, kind));
+                    check_welded_promises(m, search_welded(m, share, kind));
                 }
             }
         }
@@ -62,7 +62,7 @@ TEST_SUITE("search/weld_online") {
         const double before = measure_cracks(m, plain, m).area;
         double last = before;
         for (const weld_kind kind : {weld_kind::first, weld_kind::intersection}) {
-            const greedy_result r = search(m, 0.06, kind);
+            const greedy_result r = search_welded(m, 0.06, kind);
             const double after = measure_cracks(m, r.cloud, drawn_mesh(m, r.cloud, r.moved)).area;
             CHECK(after < 0.8 * last);
             last = after;
@@ -70,8 +70,8 @@ TEST_SUITE("search/weld_online") {
     }
     TEST_CASE("threads do not matter") {
         const mesh m = teapot(4);
-        const greedy_result one = search(m, 0.06, weld_kind::intersection, 1);
-        const greedy_result three = search(m, 0.06, weld_kind::intersection, 3);
+        const greedy_result one = search_welded(m, 0.06, weld_kind::intersection, 1);
+        const greedy_result three = search_welded(m, 0.06, weld_kind::intersection, 3);
         CHECK(one.cloud.planes == three.cloud.planes);
         CHECK(one.cloud.plane_of_face == three.cloud.plane_of_face);
         REQUIRE(one.moved.size() == three.moved.size());
@@ -81,7 +81,7 @@ TEST_SUITE("search/weld_online") {
     }
     TEST_CASE("faces that share nothing are searched as they are") {
         const mesh m = support::random_triangles(200, 0.2, 6);
-        const greedy_result r = search(m, 0.1, weld_kind::intersection);
+        const greedy_result r = search_welded(m, 0.1, weld_kind::intersection);
         face_table faces = support::table_of(m);
         const greedy_result plain =
             greedy_search(std::move(faces), m.face_count(), {.epsilon = r.cloud.epsilon});
