@@ -50,7 +50,10 @@ get(tiles atlas tiles)
 expect(tiles EQUAL two_each)
 
 # A density that does not fit is told, with what made it drop.
-textured(leaves --texels-per-unit 200 --max-atlas 128 --atlases 1)
+set(of "leaves --texels-per-unit 200 --max-atlas 128 --atlases 1")
+run(0 build leaves.glb -o textures_out.glb --report textures_out.json --texels-per-unit 200
+    --max-atlas 128 --atlases 1)
+file(READ "${FOLDER}/textures_out.json" report)
 get(count atlas count)
 get(texel_size atlas texel_size)
 get(wanted atlas wanted_texel_size)
