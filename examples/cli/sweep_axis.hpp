@@ -67,10 +67,11 @@ inline std::vector<std::string> split_at(std::string_view text, char separator) 
     return parts;
 }
 
-/// "A:B:N": N values from A to B. Throws CLI::ValidationError.
+/// "A:B:N": N values from A to B. Throws CLI::ValidationError without the option's name, which is put
+/// before what its checks throw.
 inline std::vector<std::string> values_of_range(const axis_kind& kind, const std::string& text) {
     const auto refuse = [&](const std::string& why) {
-        throw CLI::ValidationError(kind.option, "'" + text + "' " + why);
+        throw CLI::ValidationError("'" + text + "' " + why);
     };
     if (kind.between == spacing::none) refuse("is a range, of which this option has none");
     std::vector<std::string> parts = split_at(text, ':');
@@ -104,12 +105,12 @@ inline std::vector<std::string> values_of_range(const axis_kind& kind, const std
     return values;
 }
 
-/// The values of "a,b,c", each of which may be a range; each value once. Throws CLI::ValidationError.
+/// The values of "a,b,c", each of which may be a range; each value once. Throws as values_of_range.
 inline std::vector<std::string> values_of(const axis_kind& kind, const std::string& text) {
     std::vector<std::string> values;
     for (const std::string& part : split_at(text, ',')) {
         if (part.empty()) {
-            throw CLI::ValidationError(kind.option, "'" + text + "' lacks a value");
+            throw CLI::ValidationError("'" + text + "' lacks a value");
         }
         const bool is_range = part.find(':') != std::string::npos;
         for (const std::string& value :

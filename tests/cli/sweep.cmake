@@ -162,7 +162,7 @@ foreach(arguments "--epsilon;2%:20%" "--epsilon;2%:20%:1" "--epsilon;2%:20%:many
     endif()
 endforeach()
 run(2 sweep cube.glb -o broken --epsilon 2%:20%)
-expect_match("${err}" "--epsilon: '2%:20%' is no range FROM:TO:COUNT")
+expect_match("x${err}" "^x--epsilon: '2%:20%' is no range FROM:TO:COUNT")
 run(2 sweep cube.glb)
 run(2 sweep cube.glb -o broken.csv)
 run(2 sweep cube.glb -o folder/)
