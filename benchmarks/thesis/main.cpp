@@ -1,6 +1,7 @@
 // billow_thesis: the published tables measured anew, what users would pick instead, and all searches
 // against each other. Writes docs/results.md; see docs/results.md for how to run it.
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +10,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <billow/metrics/baselines.hpp>
@@ -582,95 +584,107 @@ constexpr const char* shares_and_errors =
     "between "
     "a face and its plane. ";
 
-/// Both sections of all models: at equal epsilon, and at as many planes as the thesis has there.
-std::pair<section, section> all_models(setup& with) {
-    const std::vector<std::string> columns{"model",  "search",       "planes",
-                                           "ε %",    "share",        "coverage %",
-                                           "colour", "local colour", "seconds"};
-    section at_epsilon{.id = "all_epsilon",
-                       .title = "All searches at equal ε",
-                       .about = std::string(shares_and_errors),
-                       .columns = columns};
-    section at_planes{.id = "all_planes",
-                      .title = "All searches at equal planes",
-                      .about = std::string("As above, with the ε at which a search needs about as "
-                                           "many planes as *thesis* at equal ε; the nearest of six "
-                                           "trials, whose seconds are summed up. Models of more "
-                                           "than ") +
-                               std::to_string(with.most_faces) + " faces are left out.",
-                      .columns = columns};
-    const std::vector<std::pair<const char*, recipe>> searches{
+const std::vector<std::pair<const char*, recipe>>& all_searches() {
+    static const std::vector<std::pair<const char*, recipe>> searches{
         {"thesis", {.skip_area = 0.02}},
         {"classic", {.how = method::classic}},
         {"exact", {.how = method::exact}},
         {"refined", {.how = method::exact_refined}},
     };
+    return searches;
+}
+
+constexpr std::string_view of_one_model = "all:";
+constexpr const char* at_equal_epsilon = "ε";
+constexpr const char* at_equal_planes = "planes";
+
+/// All searches on one model: at equal epsilon, and at as many planes as the thesis has there. The
+/// first cell of a row tells which of the two. Kept by model, since all of them take long.
+section one_model(setup& with, const std::string& id) {
+    section made{.id = std::string(of_one_model) + id};
+    const auto& searches = all_searches();
+    const model_store::model of = with.models.load(id);
+    std::vector<cloud_made> clouds;
+    for (const auto& [name, base] : searches) {
+        recipe how = base;
+        how.epsilon = of.is_tree ? 0.1 : 0.05;
+        clouds.push_back(make_cloud(of.mesh, how, with.views));
+    }
+    const bool has_both = of.mesh.face_count() <= with.most_faces;
+    for (std::size_t i = 1; has_both && i < searches.size(); ++i) {
+        recipe how = searches[i].second;
+        how.epsilon = clouds[i].epsilon;
+        how.planes = clouds[0].planes;
+        clouds.push_back(clouds[i].planes == how.planes ? clouds[i]
+                                                        : make_cloud(of.mesh, how, with.views));
+    }
+    std::vector<const mesh*> meshes;
+    for (const cloud_made& m : clouds) meshes.push_back(&m.mesh);
+    const std::vector<picture_means> seen = look_at(of.mesh, meshes, with.views);
+    const auto tell = [&](const char* table, std::size_t search, std::size_t at) {
+        const cloud_made& cloud = clouds[at];
+        made.rows.push_back({table, of.name, searches[search].first, std::to_string(cloud.planes),
+                             number(100 * cloud.epsilon, 1), number(cloud.projected_area_share),
+                             number(100 * seen[at].coverage, 1), number(seen[at].color),
+                             number(seen[at].local_color), number(cloud.seconds)});
+    };
+    for (std::size_t i = 0; i < searches.size(); ++i) tell(at_equal_epsilon, i, i);
+    for (std::size_t i = 0; has_both && i < searches.size(); ++i) {
+        tell(at_equal_planes, i, i == 0 ? 0 : searches.size() + i - 1);
+    }
+    std::fprintf(stderr, "  %s: %zu %zu %zu %zu planes\n", of.name.c_str(), clouds[0].planes,
+                 clouds[1].planes, clouds[2].planes, clouds[3].planes);
+    return made;
+}
+
+/// The rows of all models that are known, for one of the tables, and their means below.
+section all_models(const setup& with, const result_file& results, const char* table) {
+    section made{.columns = {"model", "search", "planes", "ε %", "share", "coverage %", "colour",
+                             "local colour", "seconds"}};
+    if (table == std::string_view(at_equal_epsilon)) {
+        made.id = "all_epsilon";
+        made.title = "All searches at equal ε";
+        made.about = std::string(shares_and_errors) + "Means of planes are geometric.";
+    } else {
+        made.id = "all_planes";
+        made.title = "All searches at equal planes";
+        made.about =
+            "As above, with the ε at which a search needs about as many planes as *thesis* "
+            "at equal ε: the nearest of six trials, whose seconds are summed up. Models of "
+            "more than " +
+            std::to_string(with.most_faces) + " faces are left out.";
+    }
     struct sums {
-        double planes = 0, share = 0, coverage = 0, color = 0, local = 0, seconds = 0;
+        std::array<double, 9> values{};  // by column
         int models = 0;
     };
-    std::map<std::string, sums> of_epsilon;
-    std::map<std::string, sums> of_planes;
-    const auto tell = [&](section& to, std::map<std::string, sums>& all, const std::string& model,
-                          const char* search, const cloud_made& made, const picture_means& seen) {
-        to.rows.push_back({model, search, std::to_string(made.planes),
-                           number(100 * made.epsilon, 1), number(made.projected_area_share),
-                           number(100 * seen.coverage, 1), number(seen.color),
-                           number(seen.local_color), number(made.seconds)});
-        sums& sum = all[search];
-        sum.planes += std::log(static_cast<double>(std::max<std::size_t>(1, made.planes)));
-        sum.share += made.projected_area_share;
-        sum.coverage += seen.coverage;
-        sum.color += seen.color;
-        sum.local += seen.local_color;
-        sum.seconds += made.seconds;
-        ++sum.models;
-    };
+    std::map<std::string, sums> of_search;
     for (const std::string& id : with.models.all()) {
-        const model_store::model of = with.models.load(id);
-        std::vector<cloud_made> made;
-        for (const auto& [name, base] : searches) {
-            recipe how = base;
-            how.epsilon = of.is_tree ? 0.1 : 0.05;
-            made.push_back(make_cloud(of.mesh, how, with.views));
+        const section* model = results.find(std::string(of_one_model) + id);
+        if (model == nullptr) continue;
+        made.where = model->where;
+        made.seconds += model->seconds;
+        for (const auto& row : model->rows) {
+            if (row[0] != table) continue;
+            made.rows.emplace_back(row.begin() + 1, row.end());
+            sums& sum = of_search[row[2]];
+            ++sum.models;
+            for (std::size_t i = 2; i < made.columns.size(); ++i) {
+                const double value = std::strtod(row[i + 1].c_str(), nullptr);
+                sum.values[i] += i == 2 ? std::log(std::max(1.0, value)) : value;
+            }
         }
-        const bool has_both = of.mesh.face_count() <= with.most_faces;
-        for (std::size_t i = 1; has_both && i < searches.size(); ++i) {
-            recipe how = searches[i].second;
-            how.epsilon = made[i].epsilon;
-            how.planes = made[0].planes;
-            made.push_back(made[i].planes == how.planes ? made[i]
-                                                        : make_cloud(of.mesh, how, with.views));
-        }
-        std::vector<const mesh*> clouds;
-        for (const cloud_made& m : made) clouds.push_back(&m.mesh);
-        const std::vector<picture_means> seen = look_at(of.mesh, clouds, with.views);
-        for (std::size_t i = 0; i < searches.size(); ++i) {
-            const char* name = searches[i].first;
-            tell(at_epsilon, of_epsilon, of.name, name, made[i], seen[i]);
-            if (!has_both) continue;
-            const std::size_t at = i == 0 ? 0 : searches.size() + i - 1;
-            tell(at_planes, of_planes, of.name, name, made[at], seen[at]);
-        }
-        std::fprintf(stderr, "  %s: %zu %zu %zu %zu planes\n", of.name.c_str(), made[0].planes,
-                     made[1].planes, made[2].planes, made[3].planes);
     }
-    const auto add_means = [&](section& to, const std::map<std::string, sums>& all) {
-        for (const auto& [name, unused] : searches) {
-            const auto at = all.find(name);
-            if (at == all.end()) continue;
-            const sums& s = at->second;
-            const double n = s.models;
-            to.rows.push_back({"**mean of " + std::to_string(s.models) + "**", name,
-                               number(std::exp(s.planes / n), 1), "", number(s.share / n),
-                               number(100 * s.coverage / n, 1), number(s.color / n),
-                               number(s.local / n), number(s.seconds / n)});
-        }
-    };
-    add_means(at_epsilon, of_epsilon);
-    add_means(at_planes, of_planes);
-    at_epsilon.about += "Means of planes are geometric.";
-    return {std::move(at_epsilon), std::move(at_planes)};
+    for (const auto& [name, unused] : all_searches()) {
+        const auto at = of_search.find(name);
+        if (at == of_search.end()) continue;
+        const sums& sum = at->second;
+        const auto mean = [&](std::size_t i) { return sum.values[i] / sum.models; };
+        made.rows.push_back({"**mean of " + std::to_string(sum.models) + "**", name,
+                             number(std::exp(mean(2)), 1), "", number(mean(4)), number(mean(5), 1),
+                             number(mean(6)), number(mean(7)), number(mean(8))});
+    }
+    return made;
 }
 
 // --- The program -----------------------------------------------------------------------------
@@ -701,9 +715,10 @@ const std::vector<job>& jobs() {
 
 constexpr const char* usage =
     "billow_thesis [--models DIR] [--page results.md] [--json results.json] [--notes notes.md]\n"
-    "              [--only ID,ID…] [--views 42] [--size 256] [--most-faces 70000]\n"
+    "              [--only ID,ID…] [--missing yes] [--views 42] [--size 256] [--most-faces 70000]\n"
     "Measures the sections of results.md. Those not named by --only are taken from the JSON file\n"
-    "as they are; --only none measures nothing and writes the page anew. Sections:\n ";
+    "as they are; --only none measures nothing and writes the page anew; --missing yes measures\n"
+    "what the file does not have. Sections:\n ";
 
 }  // namespace
 
@@ -713,6 +728,7 @@ int main(int argc, char** argv) {
                                                {"--json", "docs/results.json"},
                                                {"--notes", "benchmarks/thesis/notes.md"},
                                                {"--only", ""},
+                                               {"--missing", "no"},
                                                {"--views", "42"},
                                                {"--size", "256"},
                                                {"--most-faces", "70000"}};
@@ -721,7 +737,7 @@ int main(int argc, char** argv) {
         if (at == options.end() || i + 1 == argc) {
             std::fputs(usage, stderr);
             for (const job& j : jobs()) std::fprintf(stderr, " %s", j.id);
-            std::fputs(" all\n", stderr);
+            std::fputs(" all, or all:<model>\n", stderr);
             return 1;
         }
         at->second = argv[i + 1];
@@ -737,27 +753,30 @@ int main(int argc, char** argv) {
     };
 
     result_file results(options["--json"]);
+    const bool only_missing = options["--missing"] != "no";
     const auto measure = [&](const std::string& id, const auto& run) {
-        if (!is_wanted(id)) return;
+        if (only_missing && results.find(id) != nullptr) return;
         std::fprintf(stderr, "%s\n", id.c_str());
         const auto start = std::chrono::steady_clock::now();
-        std::vector<section> made = run();
+        section made = run();
         const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-        for (section& s : made) {
-            if (s.id.empty()) s.id = id;
-            s.seconds = std::round(took.count());
-            s.where = this_machine();
-            results.put(std::move(s));
-        }
+        made.id = id;
+        made.seconds = std::round(took.count());
+        made.where = this_machine();
+        results.put(std::move(made));
         results.save();  // so that a run that is stopped is not lost
     };
     for (const job& j : jobs()) {
-        measure(j.id, [&] { return std::vector{j.run(with)}; });
+        if (is_wanted(j.id)) measure(j.id, [&] { return j.run(with); });
     }
-    measure("all", [&] {
-        auto [at_epsilon, at_planes] = all_models(with);
-        return std::vector{std::move(at_epsilon), std::move(at_planes)};
-    });
+    for (const std::string& model : with.models.all()) {
+        const std::string id = std::string(of_one_model) + model;
+        if (is_wanted("all") || is_wanted(id)) {
+            measure(id, [&] { return one_model(with, model); });
+        }
+    }
+    results.put(all_models(with, results, at_equal_epsilon));
+    results.put(all_models(with, results, at_equal_planes));
 
     std::vector<std::string> order;
     for (const job& j : jobs()) order.emplace_back(j.id);
