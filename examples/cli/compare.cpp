@@ -13,7 +13,11 @@
 #include <nlohmann/json.hpp>
 
 #include <billow/io.hpp>
+#include <billow/metrics/baselines.hpp>
 #include <billow/metrics/compare.hpp>
+#ifdef BILLOW_HAS_REDUCE
+#include <billow/reduce.hpp>
+#endif
 
 #include "html_report.hpp"
 #include "progress_line.hpp"
@@ -34,8 +38,20 @@ struct compare_arguments {
     std::string distance = "4R";
     compare_options options{};
     unsigned threads = 0;
+    bool has_baselines = false;
     bool is_quiet = false;
 };
+
+/// Those of meshoptimizer, where the tool was built with it.
+std::vector<mesh_reducer> known_reducers() {
+#ifdef BILLOW_HAS_REDUCE
+    return {{"simplify", [](const mesh& m, double share) { return reduce_mesh(m, share).mesh; }},
+            {"simplifySloppy",
+             [](const mesh& m, double share) { return reduce_mesh_sloppily(m, share).mesh; }}};
+#else
+    return {};
+#endif
+}
 
 json json_of(const statistic& of, const comparison& in) {
     json told;
@@ -177,6 +193,20 @@ exit_code compare_files(compare_arguments& arguments) {
         clouds.push_back(files.back().drawn);
     }
 
+    const parallel threads{arguments.threads};
+    if (arguments.has_baselines && files[0].drawn->face_count() > 0 &&
+        clouds[0]->face_count() > 0) {
+        progress("baselines", 0);
+        const baseline_options wanted{.triangles = clouds[0]->face_count(),
+                                      .bytes = stored_bytes_of(*clouds[0]),
+                                      .reducers = known_reducers()};
+        for (baseline& made : make_baselines(*files[0].drawn, wanted, threads)) {
+            loaded.emplace_back().mesh = std::move(made.mesh);
+            files.push_back({made.name, &loaded.back().mesh});
+            clouds.push_back(files.back().drawn);
+        }
+    }
+
     const double radius = bounding_sphere_of(*files.front().drawn).radius;
     const bool is_in_radii = distance.is_of_radius || !(radius > 0);
     arguments.options.distance = is_in_radii ? distance.value : distance.value / radius;
@@ -186,7 +216,6 @@ exit_code compare_files(compare_arguments& arguments) {
                      fault.c_str());
         return bad_usage;
     }
-    const parallel threads{arguments.threads};
     const comparison found =
         compare(*files.front().drawn, clouds, arguments.options, threads, std::ref(progress));
     std::string page;
@@ -271,6 +300,10 @@ void add_compare(CLI::App& tool, exit_code& result) {
                      "From the eye to the original's centre: 4R is four radii of its bounding "
                      "sphere, 12.5 a length in scene units")
         ->capture_default_str();
+    verb->add_flag("--baselines", a.has_baselines,
+                   "Compare, too, what one would take in the first cloud's place, at its triangles "
+                   "and at its bytes: 1, 2, 3 and 8 textured quads, and the mesh reduced by "
+                   "meshoptimizer, where the tool was built with it");
     verb->add_option("--report", a.report, "Write tables, pictures and plots as one page: .html")
         ->check([](const std::string& name) {
             return std::filesystem::path(name).extension() == ".html"
