@@ -19,6 +19,7 @@
 #include <billow/lod/whole_billboards.hpp>
 #include <billow/pipeline.hpp>
 #include <billow/search/plane_budget.hpp>
+#include <billow/search/search_planes.hpp>
 
 namespace billow::inline BILLOW_ABI {
 
@@ -166,7 +167,7 @@ template <class... Parts>
         greedy_options how = options.search;
         how.epsilon = epsilon;
         how.max_planes = most_planes + 1;
-        const auto found = greedy_search(faces, face_count, how, parts, options.threads);
+        const auto found = search_planes(faces, face_count, how, parts, options.threads);
         const std::size_t planes = found.cloud.plane_count();
         return planes > most_planes ? limit + 1 : planes;
     };
@@ -209,7 +210,8 @@ template <class... Parts>
                                      const progress_function& tell) {
         build.search.skip_area = 0;  // a billboard shows many faces
         build.search.min_contribution = 0;
-        build.weld = {};  // billboards share no vertex
+        build.weld = {};              // billboards share no vertex
+        build.refines_whole = false;  // it would tear them apart
         const pipeline whole{parts.space, parts.policies, parts.fitter, parts.grouping,
                              whole_billboards(billboards_of_faces(of))};
         return detail::build_level(of, build, most_planes, whole, tell);
