@@ -30,7 +30,8 @@ struct axis_kind {
 };
 
 /// In the order in which configurations count up, the last the fastest.
-inline constexpr std::array<axis_kind, 11> axis_kinds{{{"--preset"},
+inline constexpr std::array<axis_kind, 12> axis_kinds{{{"--preset"},
+                                                       {"--search"},
                                                        {"--plane-space"},
                                                        {"--raster", spacing::even, 2},
                                                        {"--contribution"},
