@@ -17,6 +17,7 @@
 
 #include "cloud_options.hpp"
 #include "manifest.hpp"
+#include "names.hpp"
 #include "progress_line.hpp"
 #include "shared.hpp"
 
@@ -156,9 +157,7 @@ exit_code make_atlas(const atlas_arguments& arguments, const cloud_options& opti
         write_together({{arguments.file(".glb"), std::move(*glb)},
                         {arguments.file(".json"), {manifest.begin(), manifest.end()}}});
     if (!written) return progress.clear(), fail(written.error());
-    const auto format = arguments.mips == "dds"   ? mip_format::dds
-                        : arguments.mips == "png" ? mip_format::png
-                                                  : mip_format::none;
+    const mip_format format = kind_in(mip_names, arguments.mips);
     const auto mips =
         write_mips(arguments.stem(), shared.baked, format, {.padding = textures.padding}, threads);
     if (!mips) return progress.clear(), fail(mips.error());
@@ -205,15 +204,10 @@ void add_atlas(CLI::App& tool, exit_code& result) {
         ->configurable(false);
     const auto options = std::make_shared<cloud_options>(*verb);
     verb->add_option("--mips", a.mips, "Write mip levels beside the output: png or dds")
-        ->check(CLI::IsMember({"none", "png", "dds"}))
+        ->check(CLI::IsMember(names_in(mip_names)))
         ->capture_default_str()
         ->group("Output");
-    verb->add_option("--threads", a.threads,
-                     "Threads, 0: all; the clouds are the same for any number")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group("Output");
-    verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
+    add_run_options(*verb, a.threads, a.is_quiet);
     verb->callback([arguments, options, &result] {
         options->check();
         result = make_atlas(*arguments, *options);

@@ -9,6 +9,7 @@
 #include <billow/io.hpp>
 
 #include "cloud_options.hpp"
+#include "names.hpp"
 #include "progress_line.hpp"
 #include "report.hpp"
 #include "shared.hpp"
@@ -43,9 +44,7 @@ expected<mip_files> write_results(const build_arguments& arguments, const build_
             if (auto png = write_png(numbered(*file, i), *picture); !png) return png.error();
         }
     }
-    const auto format = arguments.mips == "dds"   ? mip_format::dds
-                        : arguments.mips == "png" ? mip_format::png
-                                                  : mip_format::none;
+    const mip_format format = kind_in(mip_names, arguments.mips);
     auto stem = arguments.output;
     return write_mips(stem.replace_extension(), result.baked, format, {.padding = padding},
                       threads);
@@ -138,15 +137,10 @@ void add_build(CLI::App& tool, exit_code& result) {
     verb->add_option("--mips", a.mips,
                      "Write mip levels that draw as much of every tile as the atlas does, beside "
                      "the output: NAME_basecolor.dds ..., or NAME_basecolor_mip0.png ...")
-        ->check(CLI::IsMember({"none", "png", "dds"}))
+        ->check(CLI::IsMember(names_in(mip_names)))
         ->capture_default_str()
         ->group("Output");
-    verb->add_option("--threads", a.threads,
-                     "Threads, 0: all; the cloud is the same for any number")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group("Output");
-    verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
+    add_run_options(*verb, a.threads, a.is_quiet);
 
     verb->callback([arguments, options, &result] {
         options->check();

@@ -313,11 +313,7 @@ void add_compare(CLI::App& tool, exit_code& result) {
         ->group("Output");
     verb->add_option("--json", a.json, "Write all numbers, those of each view too: .json")
         ->group("Output");
-    verb->add_option("--threads", a.threads, "Threads, 0: all; results are the same for any number")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group("Output");
-    verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
+    add_run_options(*verb, a.threads, a.is_quiet);
     verb->callback([arguments, &result] {
         check_names(*arguments);
         result = compare_files(*arguments);

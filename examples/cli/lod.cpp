@@ -260,11 +260,7 @@ void add_lod(CLI::App& tool, exit_code& result) {
     const auto options = std::make_shared<cloud_options>(*verb);
     for (const char* option : decided_by_levels) verb->get_option(option)->group("");
     for (const char* option : of_parts) verb->get_option(option)->group("");
-    group(verb->add_option("--threads", a.threads,
-                           "Threads, 0: all; the files are the same for any number"),
-          "Output")
-        ->check(CLI::Range(0, 1024));
-    verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
+    add_run_options(*verb, a.threads, a.is_quiet);
 
     verb->callback([verb, arguments, options, &result] {
         lod_arguments& chosen = *arguments;

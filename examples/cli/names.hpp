@@ -10,6 +10,7 @@
 
 #include <billow/bake/bake_cloud.hpp>
 #include <billow/improve/weld.hpp>
+#include <billow/io/mip_files.hpp>
 #include <billow/search/greedy.hpp>
 
 namespace cli {
@@ -48,6 +49,10 @@ inline constexpr name_table<billow::tile_sides, 3> side_names{
     {{billow::tile_sides::automatic, "auto"},
      {billow::tile_sides::one, "one"},
      {billow::tile_sides::two, "two"}}};
+
+inline constexpr name_table<billow::mip_format, 3> mip_names{{{billow::mip_format::none, "none"},
+                                                              {billow::mip_format::png, "png"},
+                                                              {billow::mip_format::dds, "dds"}}};
 
 template <class Kind, std::size_t Count>
 [[nodiscard]] std::string name_in(const name_table<Kind, Count>& table, Kind kind) {

@@ -89,6 +89,15 @@ inline billow::expected<billow::done> write_text(const std::filesystem::path& fi
                               {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
+/// --threads and --quiet, which all verbs have that take long.
+inline void add_run_options(CLI::App& verb, unsigned& threads, bool& is_quiet) {
+    verb.add_option("--threads", threads, "Threads, 0: all; results are the same for any number")
+        ->check(CLI::Range(0, 1024))
+        ->capture_default_str()
+        ->group("Output");
+    verb.add_flag("--quiet", is_quiet, "Say nothing but errors")->group("Output");
+}
+
 inline exit_code fail(const billow::error& why) {
     std::fprintf(stderr, "billow: %s\n", why.message.c_str());
     return bad_input;

@@ -267,11 +267,7 @@ void add_sweep(CLI::App& tool, exit_code& result) {
                            "bounding sphere, 40 or 40m a length in scene units"));
     add_screen_options(*verb, a.seen, "Measurements",
                        "Pixels that a vertex may be off at the distances that are told");
-    verb->add_option("--threads", a.threads, "Threads, 0: all; results are the same for any number")
-        ->check(CLI::Range(0, 1024))
-        ->capture_default_str()
-        ->group("Output");
-    verb->add_flag("--quiet", a.is_quiet, "Say nothing but errors")->group("Output");
+    add_run_options(*verb, a.threads, a.is_quiet);
 
     verb->callback([verb, arguments, options, plan, &result] {
         const bool is_usual = verb->count("--epsilon") == 0 && verb->count("--planes") == 0;
