@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <billow/bake/mips.hpp>
 #include <billow/metrics/geometric_error.hpp>
 
 #include "names.hpp"
@@ -261,6 +262,10 @@ std::string report_json(const finished_build& of) {
     atlas["texel_size"] = result.baked.texel_size;
     atlas["wanted_texel_size"] = result.baked.wanted_size;
     atlas["tiles"] = result.baked.tiles.size();
+    atlas["safe_mip_levels"] =
+        atlases.empty() ? 0
+                        : safe_mip_levels(of.how.whole.options.bake.padding,
+                                          atlases.front().width(), atlases.front().height());
     atlas["overdraw"] = result.baked.overdraw();
 
     json& seconds = report["seconds"];

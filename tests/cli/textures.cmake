@@ -15,6 +15,8 @@ get(tiles atlas tiles)
 math(EXPR two_each "2 * ${planes}")
 expect(rectangles EQUAL two_each)
 expect(tiles EQUAL planes)
+get(levels atlas safe_mip_levels)
+expect(levels GREATER 1)
 
 textured(leaves --outline 8)
 get(outlined triangles)
