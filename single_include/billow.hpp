@@ -20245,7 +20245,7 @@ template <class... Parts>
         greedy_options how = options.search;
         how.epsilon = epsilon;
         how.max_planes = most_planes + 1;
-        const auto found = greedy_search(faces, face_count, how, parts, options.threads);
+        const auto found = search_planes(faces, face_count, how, parts, options.threads);
         const std::size_t planes = found.cloud.plane_count();
         return planes > most_planes ? limit + 1 : planes;
     };
@@ -20288,7 +20288,8 @@ template <class... Parts>
                                      const progress_function& tell) {
         build.search.skip_area = 0;  // a billboard shows many faces
         build.search.min_contribution = 0;
-        build.weld = {};  // billboards share no vertex
+        build.weld = {};              // billboards share no vertex
+        build.refines_whole = false;  // it would tear them apart
         const pipeline whole{parts.space, parts.policies, parts.fitter, parts.grouping,
                              whole_billboards(billboards_of_faces(of))};
         return detail::build_level(of, build, most_planes, whole, tell);
@@ -20449,6 +20450,18 @@ namespace presets {
     auto made = thesis(model_kind::solid);
     made.options.search.skip_area = 0;
     return made;
+}
+
+/// Trees, what measures best: leaves by exact offsets, frontal ones counting more, then refinement of
+/// the whole; the trunk as in tree().
+[[nodiscard]] inline auto exact_tree() {
+    const auto from = tree();
+    build_options foliage = from.foliage.options;
+    foliage.refines_whole = true;
+    return tree_preset{
+        preset{foliage, pipeline{cube_map(18), from.foliage.method.policies, average_fit{},
+                                 whole_set{}, fixed_vertices{}, exact_method{.tangency = 1}}},
+        from.trunk};
 }
 
 }  // namespace presets
