@@ -94,8 +94,7 @@ cloud_made make_cloud(const mesh& of, const recipe& how, const view_settings& vi
     made.epsilon = cloud.epsilon / cloud.bounds.radius;
     made.refinement_level = found.statistics.mean_refinement_level();
     made.projected_area_share = errors.projected_area_share;
-    made.skipped_area_share =
-        found.statistics.leftover_area_share + errors.area_beyond_epsilon_share;
+    made.skipped_area_share = found.statistics.leftover_area_share;
 
     const weld_options weld{.kind = how.welds ? weld_kind::intersection : weld_kind::none};
     const welded_faces welded = weld_faces(of, cloud, std::span(&weld, 1));
