@@ -100,6 +100,10 @@ void cloud_options::check() const {
         verb_.count("--compact") > 0) {
         throw CLI::ValidationError("--refine-whole", "would join what --compact keeps apart");
     }
+    if (verb_.count("--trunk-alpha") > 0 && verb_.count("--alpha-threshold") == 0) {
+        throw CLI::ValidationError("--trunk-alpha",
+                                   "needs --alpha-threshold: without it areas decide");
+    }
     if (split_ == "off" && is_for_trunk) {
         throw CLI::ValidationError("--split", "off leaves no trunk for the options of trunks");
     }
@@ -440,7 +444,7 @@ void cloud_options::add_trunk_options() {
                                        parse_share("--trunk-cardboard", text);
                                });
     add_for_trunk<std::string>("--trunk-alpha", "30%, opaque materials 50%",
-                               "--alpha-threshold of the trunk",
+                               "--alpha-threshold of the trunk, where that is given",
                                [](recipe& how, const std::string& text) {
                                    const double share = parse_share("--trunk-alpha", text);
                                    how.options.bake.alpha.thresholds = {share, share};

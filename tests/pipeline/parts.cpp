@@ -208,13 +208,15 @@ TEST_SUITE("pipeline/parts") {
         const auto& [tree, roles, trunk, foliage] = parted();
         build_options leafy = small(0.2);
         build_options woody = small(0.1);
+        build_options whole = small(1);
+        whole.bake.alpha.area = opaque_area::thresholds;
         const auto plain =
-            build_cloud(tree, small(1), plans{{foliage, leafy, {}}, {trunk, woody, {}}});
+            build_cloud(tree, whole, plans{{foliage, leafy, {}}, {trunk, woody, {}}});
         woody.cardboard.min_coverage = 0.5;
         woody.weld.kind = weld_kind::intersection;
         leafy.bake.alpha.thresholds.foliage = 0.95f;
         const auto changed =
-            build_cloud(tree, small(1), plans{{foliage, leafy, {}}, {trunk, woody, {}}});
+            build_cloud(tree, whole, plans{{foliage, leafy, {}}, {trunk, woody, {}}});
         REQUIRE((plain && changed));
         CHECK(changed->parts[0].cardboard_planes == 0);
         CHECK(changed->parts[1].cardboard_planes > 0);
