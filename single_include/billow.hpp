@@ -10474,6 +10474,7 @@ inline std::vector<plane_pair> plane_cover::essential_pairs() const {
     struct shared_row {
         plane_id first, second;
         std::uint32_t row;
+        // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
         auto operator<=>(const shared_row&) const = default;
     };
     std::vector<plane_id> first(faces_.size, no_id);
@@ -10556,6 +10557,7 @@ public:
         for (const auto& some : near) all.insert(all.end(), some.begin(), some.end());
         std::ranges::sort(all);
         std::vector<std::pair<plane_id, plane_id>> pairs;
+        pairs.reserve(all.size());
         for (const auto& [bound, a, b] : all) pairs.emplace_back(a, b);
         return pairs;
     }
@@ -13075,6 +13077,7 @@ private:
         std::int64_t left = 0;  ///< area without a place
         std::int64_t area = 0;
         int longest = 0;
+        // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
         friend auto operator<=>(const quality&, const quality&) = default;
     };
     struct candidate {
@@ -13295,6 +13298,7 @@ private:
     /// Moves rectangles from `left` to one more atlas: all, where that can be found.
     void fill_atlas(std::vector<std::size_t>& left, packing& result) {
         std::vector<ivec2> sizes;
+        sizes.reserve(left.size());
         for (const std::size_t id : left) sizes.push_back(padded(sizes_[id]));
         strip_search search(sizes, limit_, options_.allows_rotation, steps_left_);
         std::vector<strip_place> places =
@@ -13778,9 +13782,8 @@ private:
         for (int y = 0; y < tile_.height; ++y) {
             for (int x = 0; x < tile_.width; ++x) {
                 const std::size_t at = tile_.index(x, y);
-                const vec2 to(static_cast<float>(nearest[at] % tile_.width - x),
-                              static_cast<float>(nearest[at] / tile_.width - y));
-                const float distance = glm::length(to);
+                const ivec2 to(nearest[at] % tile_.width - x, nearest[at] / tile_.width - y);
+                const float distance = glm::length(vec2(to));
                 if (distance == 0 || distance > 2) continue;
                 order.push_back({distance - tile_.share(at) + 0.001f * spread_order(x, y),
                                  static_cast<std::uint32_t>(at)});
@@ -17848,9 +17851,9 @@ private:
               dx(static_cast<float>(of.dx)),
               dy(static_cast<float>(of.dy)) {}
         [[nodiscard]] row_value row(std::size_t at) const noexcept {
-            return {
-                base + dy * static_cast<float>(at / stride) + dx * static_cast<float>(at % stride),
-                dx};
+            const std::size_t y = at / stride;
+            const std::size_t x = at % stride;
+            return {base + dy * static_cast<float>(y) + dx * static_cast<float>(x), dx};
         }
     };
 
@@ -18930,6 +18933,7 @@ inline void measure_geometry(cloud_comparison& to, const mesh& original, const m
     scenes.emplace_back(original, culls_backs(original));
     for (const mesh* cloud : clouds) scenes.emplace_back(*cloud, culls_backs(*cloud));
     std::vector<const render_scene*> drawn;
+    drawn.reserve(scenes.size());
     for (const render_scene& scene : scenes) drawn.push_back(&scene);
 
     result.bounds = scenes.front().bounds;

@@ -204,12 +204,14 @@ std::string svg_of(const std::string& title, const std::vector<chart>& charts) {
     }
     top += 6;
     for (std::size_t i = 0; i < charts.size(); ++i) {
-        const double down = top + chart_height * static_cast<double>(i / 2);
+        const std::size_t row = i / 2;
+        const double down = top + chart_height * static_cast<double>(row);
         body += formatted("<g transform=\"translate(%.0f %.0f)\">\n",
                           chart_width * static_cast<double>(i % 2), down);
         body += svg_chart(charts[i]) + "</g>\n";
     }
-    const double height = top + chart_height * static_cast<double>((charts.size() + 1) / 2);
+    const std::size_t rows = (charts.size() + 1) / 2;
+    const double height = top + chart_height * static_cast<double>(rows);
     return formatted("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\">\n",
                      2 * chart_width, height) +
            std::string(chart_style) + "<rect class=\"page\" width=\"100%\" height=\"100%\"/>\n" +

@@ -78,6 +78,7 @@ private:
     /// Moves rectangles from `left` to one more atlas: all, where that can be found.
     void fill_atlas(std::vector<std::size_t>& left, packing& result) {
         std::vector<ivec2> sizes;
+        sizes.reserve(left.size());
         for (const std::size_t id : left) sizes.push_back(padded(sizes_[id]));
         strip_search search(sizes, limit_, options_.allows_rotation, steps_left_);
         std::vector<strip_place> places =

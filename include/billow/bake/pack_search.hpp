@@ -114,6 +114,7 @@ private:
         std::int64_t left = 0;  ///< area without a place
         std::int64_t area = 0;
         int longest = 0;
+        // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
         friend auto operator<=>(const quality&, const quality&) = default;
     };
     struct candidate {

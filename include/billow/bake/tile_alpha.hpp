@@ -160,9 +160,8 @@ private:
         for (int y = 0; y < tile_.height; ++y) {
             for (int x = 0; x < tile_.width; ++x) {
                 const std::size_t at = tile_.index(x, y);
-                const vec2 to(static_cast<float>(nearest[at] % tile_.width - x),
-                              static_cast<float>(nearest[at] / tile_.width - y));
-                const float distance = glm::length(to);
+                const ivec2 to(nearest[at] % tile_.width - x, nearest[at] / tile_.width - y);
+                const float distance = glm::length(vec2(to));
                 if (distance == 0 || distance > 2) continue;
                 order.push_back({distance - tile_.share(at) + 0.001f * spread_order(x, y),
                                  static_cast<std::uint32_t>(at)});

@@ -56,6 +56,7 @@ public:
         for (const auto& some : near) all.insert(all.end(), some.begin(), some.end());
         std::ranges::sort(all);
         std::vector<std::pair<plane_id, plane_id>> pairs;
+        pairs.reserve(all.size());
         for (const auto& [bound, a, b] : all) pairs.emplace_back(a, b);
         return pairs;
     }

@@ -121,6 +121,7 @@ inline std::vector<plane_pair> plane_cover::essential_pairs() const {
     struct shared_row {
         plane_id first, second;
         std::uint32_t row;
+        // NOLINTNEXTLINE(modernize-use-nullptr): the 0 is of the comparison that the compiler writes
         auto operator<=>(const shared_row&) const = default;
     };
     std::vector<plane_id> first(faces_.size, no_id);

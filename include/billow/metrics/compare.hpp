@@ -114,6 +114,7 @@ inline void measure_geometry(cloud_comparison& to, const mesh& original, const m
     scenes.emplace_back(original, culls_backs(original));
     for (const mesh* cloud : clouds) scenes.emplace_back(*cloud, culls_backs(*cloud));
     std::vector<const render_scene*> drawn;
+    drawn.reserve(scenes.size());
     for (const render_scene& scene : scenes) drawn.push_back(&scene);
 
     result.bounds = scenes.front().bounds;

@@ -159,9 +159,9 @@ private:
               dx(static_cast<float>(of.dx)),
               dy(static_cast<float>(of.dy)) {}
         [[nodiscard]] row_value row(std::size_t at) const noexcept {
-            return {
-                base + dy * static_cast<float>(at / stride) + dx * static_cast<float>(at % stride),
-                dx};
+            const std::size_t y = at / stride;
+            const std::size_t x = at % stride;
+            return {base + dy * static_cast<float>(y) + dx * static_cast<float>(x), dx};
         }
     };
 
