@@ -7339,6 +7339,112 @@ static_assert(face_grouping<heaviest_group<>>);
 #include <span>
 #include <vector>
 
+// ---- billow/search/nearest_offset.hpp
+// The offset nearest to faces that are valid for all of a range: where a falloff is least.
+//
+// Luksch, "Implementation of an Improved Billboard Cloud Algorithm", 2009, section 3.2: a distance
+// falloff draws planes to the faces that they stand for, eq 3.8: onto the large one, not between all.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+
+namespace billow::inline BILLOW_ABI {
+
+/// What a face asks of an offset: to be near the middle of its valid ones.
+struct weighted_middle {
+    float middle = 0;
+    float weight = 0;  ///< ≥ 0
+};
+
+/// Of the offsets in [low, high] the one with the greatest sum of weight · falloff(distance to the
+/// middle): as a rule it lies in the faces that weigh most, where a mean lies between all.
+///
+/// The sum is greatest in a middle or at an end of the range, since a distance falloff is steepest at 0
+/// and convex beyond. Middles are gathered in cells, a 128th of their spread wide, of which the best
+/// is taken, and there the median of the middles: for faces farther than a few cells apart this is
+/// the offset itself.
+///
+/// Unit    offsets and epsilon alike.
+/// Needs   low ≤ high; epsilon > 0. Reorders `middles`.
+/// Gives   the middle of the range where nothing weighs; of equals the least offset.
+/// Cost    O(middles), and 128² falloffs at most.
+template <falloff<float> Falloff>
+[[nodiscard]] double nearest_offset(std::span<weighted_middle> middles, double low, double high,
+                                    double epsilon, const Falloff& weigh) {
+    constexpr std::size_t cell_count = 128;
+    BILLOW_ASSERT(low <= high && epsilon > 0);
+    float least = 0, most = 0;
+    bool is_first = true;
+    for (const weighted_middle& m : middles) {
+        if (!(m.weight > 0)) continue;
+        least = is_first ? m.middle : std::min(least, m.middle);
+        most = is_first ? m.middle : std::max(most, m.middle);
+        is_first = false;
+    }
+    if (is_first) return (low + high) / 2;
+
+    const float cells_per_unit = most > least ? static_cast<float>(cell_count) / (most - least) : 0;
+    const auto cell_of = [&](float middle) {
+        const auto cell = static_cast<std::size_t>((middle - least) * cells_per_unit);
+        return std::min(cell, cell_count - 1);
+    };
+    std::array<double, cell_count> weights{}, sums{};
+    for (const weighted_middle& m : middles) {
+        if (!(m.weight > 0)) continue;
+        const std::size_t cell = cell_of(m.middle);
+        weights[cell] += static_cast<double>(m.weight);
+        sums[cell] += static_cast<double>(m.weight) * static_cast<double>(m.middle);
+    }
+    std::array<float, cell_count> means{}, masses{};
+    std::array<std::size_t, cell_count> cells{};
+    std::size_t count = 0;
+    for (std::size_t cell = 0; cell < cell_count; ++cell) {
+        if (!(weights[cell] > 0)) continue;
+        means[count] = static_cast<float>(sums[cell] / weights[cell]);
+        masses[count] = static_cast<float>(weights[cell]);
+        cells[count++] = cell;
+    }
+    const auto eps = static_cast<float>(epsilon);
+    const auto worth = [&](float offset) {
+        float sum = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            sum += masses[i] * weigh(std::abs(offset - means[i]), eps);
+        }
+        return sum;
+    };
+    const auto from = static_cast<float>(low), to = static_cast<float>(high);
+    double best = low;
+    float best_worth = worth(from);
+    std::size_t best_cell = cell_count;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!(from < means[i] && means[i] < to)) continue;
+        const float here = worth(means[i]);
+        if (here > best_worth) best_worth = here, best_cell = cells[i];
+    }
+    if (worth(to) > best_worth) return high;
+    if (best_cell == cell_count) return best;
+
+    const auto end = std::partition(middles.begin(), middles.end(), [&](const weighted_middle& m) {
+        return m.weight > 0 && cell_of(m.middle) == best_cell;
+    });
+    std::sort(middles.begin(), end, [](const weighted_middle& a, const weighted_middle& b) {
+        return a.middle != b.middle ? a.middle < b.middle : a.weight < b.weight;
+    });
+    double before = 0;
+    for (auto m = middles.begin(); m != end; ++m) {
+        before += static_cast<double>(m->weight);
+        best = static_cast<double>(m->middle);
+        if (before >= weights[best_cell] / 2) break;
+    }
+    return std::clamp(best, low, high);
+}
+
+}  // namespace billow::inline BILLOW_ABI
 // ---- billow/search/offset_block.hpp
 // The offsets along one normal at which faces are valid and charged, a block of faces at a time.
 
@@ -7497,6 +7603,7 @@ struct sweep_scratch {
     std::vector<std::int64_t> contribution_at{};  ///< where a bucket begins
     std::vector<std::int64_t> penalty_at{};
     std::vector<char> is_open{};
+    std::vector<weighted_middle> middles{};
     detail::offset_block block{};
 };
 
@@ -7508,7 +7615,7 @@ struct sweep_scratch {
 ///
 /// Differs from the validity policies of the density, which estimate the offsets of a cell of
 /// normals: one normal leaves nothing to estimate, all of them are `valid_offsets`. A falloff has no
-/// say in which faces a plane collects, see `centred`.
+/// say in which faces a plane collects, see `nearest`.
 template <contribution<simd::wide> Contribution, penalty<simd::wide> Penalty>
 class offset_sweep {
 public:
@@ -7614,15 +7721,18 @@ public:
         return best(faces, normal, row, read, than, scratch);
     }
 
-    /// Among the offsets around `rho` at which the same faces are valid and charged, the one nearest to the
-    /// faces: to the mean of the middles of their intervals, each counted by its contribution.
-    [[nodiscard]] double centred(const face_table& faces, const vec3& normal, float rho,
-                                 detail::offset_block& block) const noexcept {
+    /// Among the offsets around `rho` at which the same faces are valid and charged, the one nearest to
+    /// the faces, each counted by its contribution and how `weigh` falls: nearest_offset.
+    template <falloff<float> Falloff = distance_falloff>
+    [[nodiscard]] double nearest(const face_table& faces, const vec3& normal, float rho,
+                                 sweep_scratch& scratch, const Falloff& weigh = {}) const {
         constexpr float infinity = std::numeric_limits<float>::infinity();
         float low = rho < 0 ? -infinity : 0;
         float high = rho < 0 ? std::nextafter(0.0f, -1.0f) : infinity;
         if (!charges()) low = -infinity, high = infinity;
-        double sum = 0, weight = 0;
+        detail::offset_block& block = scratch.block;
+        std::vector<weighted_middle>& middles = scratch.middles;
+        middles.clear();
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);
             rules_.measure(faces, first, count, normal, block);
@@ -7632,16 +7742,18 @@ public:
                 if (from <= rho && rho <= to) {
                     low = std::max(low, from);
                     high = std::min(high, to);
-                    const double w = block.weight[i];
-                    sum += w * (static_cast<double>(from) + static_cast<double>(to)) / 2;
-                    weight += w;
+                    middles.push_back(
+                        {from + (to - from) / 2, static_cast<float>(block.weight[i])});
                 }
                 if (charges()) keep_uncharged(block, i, rho, low, high);
             }
         }
-        if (weight == 0) return static_cast<double>(rho);
+        if (middles.empty()) return static_cast<double>(rho);
+        const double at =
+            nearest_offset(middles, static_cast<double>(low), static_cast<double>(high),
+                           static_cast<double>(rules_.epsilon), weigh);
         // As a float: a kernel must find the same faces valid.
-        return static_cast<double>(std::clamp(static_cast<float>(sum / weight), low, high));
+        return static_cast<double>(std::clamp(static_cast<float>(at), low, high));
     }
 
 private:
@@ -8793,7 +8905,7 @@ public:
         ++statistics.refined_planes;
         const directed_plane found = searched(remaining, best, charge);
         if (charge != sweep_.charge()) directions_.forget_bounds();
-        const double rho = sweep_.centred(remaining, vec3(found.normal), found.at.rho, block_);
+        const double rho = sweep_.nearest(remaining, vec3(found.normal), found.at.rho, scratch_);
         return {found.normal, rho};
     }
 
@@ -8865,7 +8977,7 @@ private:
     orientation_weights weights_;
     lazy_directions<sweep_type> directions_;
     std::vector<direction_scratch> scratches_;
-    offset_block block_{};
+    sweep_scratch scratch_{};
 };
 
 }  // namespace detail

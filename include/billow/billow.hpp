@@ -90,6 +90,7 @@
 #include <billow/search/lazy_directions.hpp>
 #include <billow/search/leftovers.hpp>
 #include <billow/search/motion.hpp>
+#include <billow/search/nearest_offset.hpp>
 #include <billow/search/offset_block.hpp>
 #include <billow/search/offset_sweep.hpp>
 #include <billow/search/parts.hpp>

@@ -188,18 +188,17 @@ TEST_SUITE("search/offset_sweep") {
         CHECK(static_cast<double>(away.rho) > rho + 0.19);
         CHECK(away.density == of.at(normal, away.rho).density);
     }
-    TEST_CASE("the centred offset keeps all faces and lies in their middle") {
+    TEST_CASE("the nearest offset keeps all faces and lies in the larger") {
         mesh m;
         support::add_square(m, {0, 0, 0.30f}, {0.5f, 0, 0}, {0, 0.5f, 0});
-        support::add_square(m, {0, 0, 0.36f}, {0.5f, 0, 0}, {0, 0.5f, 0});
+        support::add_square(m, {0, 0, 0.36f}, {0.6f, 0, 0}, {0, 0.5f, 0});
         support::add_square(m, {0, 0, -0.9f}, {0.1f, 0, 0}, {0, 0.1f, 0});
         face_table faces = support::table_of(m);
         const double z = faces.bounds.centre.z;
         swept_faces<> flat{std::move(faces), 0.1};
         const swept_offset best = flat.best({0, 0, 1});
-        const double centred =
-            flat.sweep.centred(flat.faces, {0, 0, 1}, best.rho, flat.scratch.block);
-        CHECK(centred == doctest::Approx(0.33 - z));
+        const double nearest = flat.sweep.nearest(flat.faces, {0, 0, 1}, best.rho, flat.scratch);
+        CHECK(nearest == doctest::Approx(0.36 - z));
 
         swept_faces<projected_area, inner_side_penalty> charged{support::table_of(leaf_soup(500)),
                                                                 0.1};
@@ -208,7 +207,7 @@ TEST_SUITE("search/offset_sweep") {
             const vec3 normal(support::random_direction(random));
             const swept_offset found = charged.best(normal);
             const double rho =
-                charged.sweep.centred(charged.faces, normal, found.rho, charged.scratch.block);
+                charged.sweep.nearest(charged.faces, normal, found.rho, charged.scratch);
             const swept_offset there = charged.at(normal, static_cast<float>(rho));
             CHECK(there.density >= found.density);
         }

@@ -106,7 +106,7 @@ public:
         ++statistics.refined_planes;
         const directed_plane found = searched(remaining, best, charge);
         if (charge != sweep_.charge()) directions_.forget_bounds();
-        const double rho = sweep_.centred(remaining, vec3(found.normal), found.at.rho, block_);
+        const double rho = sweep_.nearest(remaining, vec3(found.normal), found.at.rho, scratch_);
         return {found.normal, rho};
     }
 
@@ -178,7 +178,7 @@ private:
     orientation_weights weights_;
     lazy_directions<sweep_type> directions_;
     std::vector<direction_scratch> scratches_;
-    offset_block block_{};
+    sweep_scratch scratch_{};
 };
 
 }  // namespace detail

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <billow/density/rasterize.hpp>
+#include <billow/search/nearest_offset.hpp>
 #include <billow/search/offset_block.hpp>
 
 namespace billow::inline BILLOW_ABI {
@@ -60,6 +61,7 @@ struct sweep_scratch {
     std::vector<std::int64_t> contribution_at{};  ///< where a bucket begins
     std::vector<std::int64_t> penalty_at{};
     std::vector<char> is_open{};
+    std::vector<weighted_middle> middles{};
     detail::offset_block block{};
 };
 
@@ -71,7 +73,7 @@ struct sweep_scratch {
 ///
 /// Differs from the validity policies of the density, which estimate the offsets of a cell of
 /// normals: one normal leaves nothing to estimate, all of them are `valid_offsets`. A falloff has no
-/// say in which faces a plane collects, see `centred`.
+/// say in which faces a plane collects, see `nearest`.
 template <contribution<simd::wide> Contribution, penalty<simd::wide> Penalty>
 class offset_sweep {
 public:
@@ -177,15 +179,18 @@ public:
         return best(faces, normal, row, read, than, scratch);
     }
 
-    /// Among the offsets around `rho` at which the same faces are valid and charged, the one nearest to the
-    /// faces: to the mean of the middles of their intervals, each counted by its contribution.
-    [[nodiscard]] double centred(const face_table& faces, const vec3& normal, float rho,
-                                 detail::offset_block& block) const noexcept {
+    /// Among the offsets around `rho` at which the same faces are valid and charged, the one nearest to
+    /// the faces, each counted by its contribution and how `weigh` falls: nearest_offset.
+    template <falloff<float> Falloff = distance_falloff>
+    [[nodiscard]] double nearest(const face_table& faces, const vec3& normal, float rho,
+                                 sweep_scratch& scratch, const Falloff& weigh = {}) const {
         constexpr float infinity = std::numeric_limits<float>::infinity();
         float low = rho < 0 ? -infinity : 0;
         float high = rho < 0 ? std::nextafter(0.0f, -1.0f) : infinity;
         if (!charges()) low = -infinity, high = infinity;
-        double sum = 0, weight = 0;
+        detail::offset_block& block = scratch.block;
+        std::vector<weighted_middle>& middles = scratch.middles;
+        middles.clear();
         for (std::size_t first = 0; first < faces.padded_size(); first += block.size) {
             const std::size_t count = std::min(block.size, faces.padded_size() - first);
             rules_.measure(faces, first, count, normal, block);
@@ -195,16 +200,18 @@ public:
                 if (from <= rho && rho <= to) {
                     low = std::max(low, from);
                     high = std::min(high, to);
-                    const double w = block.weight[i];
-                    sum += w * (static_cast<double>(from) + static_cast<double>(to)) / 2;
-                    weight += w;
+                    middles.push_back(
+                        {from + (to - from) / 2, static_cast<float>(block.weight[i])});
                 }
                 if (charges()) keep_uncharged(block, i, rho, low, high);
             }
         }
-        if (weight == 0) return static_cast<double>(rho);
+        if (middles.empty()) return static_cast<double>(rho);
+        const double at =
+            nearest_offset(middles, static_cast<double>(low), static_cast<double>(high),
+                           static_cast<double>(rules_.epsilon), weigh);
         // As a float: a kernel must find the same faces valid.
-        return static_cast<double>(std::clamp(static_cast<float>(sum / weight), low, high));
+        return static_cast<double>(std::clamp(static_cast<float>(at), low, high));
     }
 
 private:
