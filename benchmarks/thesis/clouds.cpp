@@ -69,6 +69,9 @@ greedy_result search(const mesh& of, const face_table& faces, const recipe& how)
         case method::density:
             return search(of, faces, how, options,
                           pipeline{cube_map(how.raster), policies, least_squares_fit{}}, false);
+        case method::density_refined:
+            return search(of, faces, how, options,
+                          pipeline{cube_map(how.raster), policies, least_squares_fit{}}, true);
         case method::exact:
         case method::exact_refined:
             break;
@@ -76,7 +79,8 @@ greedy_result search(const mesh& of, const face_table& faces, const recipe& how)
     return search(of, faces, how, options,
                   pipeline{cube_map(how.raster),
                            density_policies{hull_of_samples{}, projected_area{}, no_penalty{}},
-                           least_squares_fit{}, whole_set{}, fixed_vertices{}, exact_method{}},
+                           least_squares_fit{}, whole_set{}, fixed_vertices{},
+                           exact_method{.tangency = how.tangency}},
                   how.how == method::exact_refined);
 }
 

@@ -16,11 +16,12 @@ namespace thesis {
 using namespace billow;
 
 enum class method {
-    density,        ///< the thesis's: a density grid, least squares
-    unfitted,       ///< the same, planes as they are found
-    classic,        ///< presets::classic
-    exact,          ///< exact_search, without penalty
-    exact_refined,  ///< and refine_whole
+    density,          ///< the thesis's: a density grid, least squares
+    unfitted,         ///< the same, planes as they are found
+    classic,          ///< presets::classic
+    exact,            ///< exact_search, without penalty
+    exact_refined,    ///< and refine_whole
+    density_refined,  ///< the thesis's, and refine_whole
 };
 
 struct recipe {
@@ -29,7 +30,8 @@ struct recipe {
     std::size_t planes = 0;  ///< 0: as epsilon gives; else about so many, and epsilon follows
     int raster = 18;
     double rho_rate = 1.5;
-    double penalty = 3;
+    double penalty = 3;   ///< of the density grid; the exact search has none
+    double tangency = 0;  ///< of the exact search
     bool falls = true;
     refinement refine = refinement::fail_safe;
     double skip_area = 0;
